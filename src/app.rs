@@ -170,6 +170,14 @@ impl App {
 
     /// Parses a command line, whose first argument is the name of the program, and executes its command.
     pub fn run(&self, arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Exit {
+        let problems = self.problems();
+        if !problems.is_empty() {
+            let mut terminal = TerminalOutput::new(Colour::Auto);
+            for problem in problems {
+                terminal.error(problem);
+            }
+            return Exit::Usage;
+        }
         let matches = match self.command_line().try_get_matches_from(arguments) {
             Ok(matches) => matches,
             Err(error) => return print(&error),
@@ -180,13 +188,6 @@ impl App {
         });
         let colour = matches.get_one("color").copied().unwrap_or_default();
         let mut terminal = TerminalOutput::new(colour);
-        let problems = self.problems();
-        for problem in &problems {
-            terminal.error(problem);
-        }
-        if !problems.is_empty() {
-            return Exit::Usage;
-        }
         let result = match registered {
             Some((command, matches)) => command.run(matches, self),
             None => Arguments::from_arg_matches(&matches)
@@ -217,13 +218,8 @@ impl App {
     }
 
     fn command_line(&self) -> clap::Command {
-        let standard = Arguments::command();
-        let added = self
-            .commands
-            .iter()
-            .filter(|it| standard.find_subcommand(it.name).is_none());
-        let added: Vec<_> = added.map(RegisteredCommand::describe).collect();
-        feature::mark(standard)
+        let added = self.commands.iter().map(RegisteredCommand::describe);
+        feature::mark(Arguments::command())
             .name(self.name)
             .version(self.version)
             .subcommands(added)

@@ -103,7 +103,11 @@ impl AppCommand for Home {
     #[expect(clippy::print_stdout, reason = "a command prints")]
     fn run(self, app: &App) -> Exit {
         let components = app.build().catalogue().components();
-        println!("home, close = {}, {} components", self.close, components.len());
+        println!(
+            "home, close = {}, {} components",
+            self.close,
+            components.len()
+        );
         Exit::Ok
     }
 }
@@ -151,7 +155,7 @@ name = "cell"
 
 [components.Gripper]
 implementation = { rust = "acme::Gripper" }
-activity  = { trigger = "event" }
+activity  = { period_ms = 10 }
 subscribe = { command = "acme/Opening" }
 publish   = { opening = "acme/Opening" }
 
@@ -173,6 +177,7 @@ as    = "opening"
 "#;
 
 const SPECIFICATION: &str = "asm cell
+//@Final ARRIVED
 import StandardLibrary
 
 signature:
@@ -211,12 +216,21 @@ fn a_component_of_the_program_is_checked_described_and_run() {
     assert!(code == Some(0) && text.contains("acme/Opening"), "{text}");
     let (code, text) = run(cell.path(), &["run", "cell.composite.toml"]);
     assert!(code == Some(0) && text.contains("ARRIVED"), "{text}");
-    let (code, text) = run(cell.path(), &["run", "cell.composite.toml", "--clock", "wall"]);
+    let (code, text) = run(
+        cell.path(),
+        &["run", "cell.composite.toml", "--clock", "wall"],
+    );
     assert!(code == Some(0) && text.contains("ARRIVED"), "{text}");
-    let wrong = COMPOSITE.replace("command = \"acme/Opening\" }\npublish   = { opening", "comand = \"acme/Opening\" }\npublish   = { opening");
+    let wrong = COMPOSITE.replace(
+        "command = \"acme/Opening\" }\npublish   = { opening",
+        "comand = \"acme/Opening\" }\npublish   = { opening",
+    );
     std::fs::write(cell.path().join("cell.composite.toml"), wrong).unwrap();
     let (code, text) = run(cell.path(), &["check", "cell.composite.toml"]);
-    assert!(code == Some(1) && text.contains("did you mean `command`"), "{text}");
+    assert!(
+        code == Some(1) && text.contains("did you mean `command`"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -226,7 +240,10 @@ fn a_transport_of_the_program_carries_a_system() {
     let (code, text) = run("inside://here");
     assert!(code == Some(0) && text.contains("ARRIVED"), "{text}");
     let (code, text) = run("inside://nowhere");
-    assert!(code != Some(0) && text.contains("inside://nowhere") && text.contains("there is nothing"), "{text}");
+    assert!(
+        code != Some(0) && text.contains("inside://nowhere") && text.contains("there is nothing"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -262,10 +279,16 @@ properties = { algorithm = "hesitant" }
 fn a_command_of_the_program_is_one_of_its_commands() {
     let folder = tempfile::tempdir().unwrap();
     let (code, text) = run(folder.path(), &["home", "--close"]);
-    assert!(code == Some(0) && text.contains("home, close = true, 13 components"), "{text}");
+    assert!(
+        code == Some(0) && text.contains("home, close = true, 13 components"),
+        "{text}"
+    );
     let (code, text) = run(folder.path(), &["--help"]);
     assert!(code == Some(0) && text.contains("home"), "{text}");
-    assert!(text.contains("Moves the gripper to its reference position"), "{text}");
+    assert!(
+        text.contains("Moves the gripper to its reference position"),
+        "{text}"
+    );
     let (code, text) = run(folder.path(), &["--version"]);
     assert!(code == Some(0) && text.contains("acme 7.0"), "{text}");
     let (code, text) = run(folder.path(), &["home", "--open"]);

@@ -42,14 +42,22 @@ fn contents(folder: &Path) -> String {
 fn a_project_with_a_specification_only() {
     let home = tempfile::tempdir().unwrap();
     let text = succeeds(home.path(), &["new", "left-arm", "--spec-only"]);
-    assert!(text.contains("cd left-arm && asmotion test specs"), "{text}");
+    assert!(
+        text.contains("cd left-arm && asmotion test specs"),
+        "{text}"
+    );
     let project = home.path().join("left-arm");
     assert!(!contents(&project).to_lowercase().contains("gripper"));
     let text = succeeds(&project, &["check", "specs"]);
     assert!(text.contains("no findings"), "{text}");
     let text = succeeds(&project, &["test", "specs"]);
     assert!(text.contains("3 passed"), "{text}");
-    let mission = ["run", "specs/left_arm.composite.toml", "--until", "mode=DONE"];
+    let mission = [
+        "run",
+        "specs/left_arm.composite.toml",
+        "--until",
+        "mode=DONE",
+    ];
     let text = succeeds(&project, &mission);
     assert!(text.contains("OPENING → DONE"), "{text}");
 }
@@ -62,10 +70,20 @@ fn a_project_in_rust_has_every_command_with_its_component() {
     succeeds(&project, &["new", "component", "wrist"]);
     assert!(!contents(&project).to_lowercase().contains("gripper"));
     let lib = std::fs::read_to_string(project.join("src/lib.rs")).unwrap();
-    assert!(lib.contains(".component(\"left_arm::Wrist\", Wrist::new)"), "{lib}");
+    assert!(
+        lib.contains(".component(\"left_arm::Wrist\", Wrist::new)"),
+        "{lib}"
+    );
     // the versions that this workspace was tested with
-    std::fs::copy(Path::new(source).join("Cargo.lock"), project.join("Cargo.lock")).unwrap();
-    let target = Path::new(env!("CARGO_BIN_EXE_asmotion")).ancestors().nth(2).unwrap();
+    std::fs::copy(
+        Path::new(source).join("Cargo.lock"),
+        project.join("Cargo.lock"),
+    )
+    .unwrap();
+    let target = Path::new(env!("CARGO_BIN_EXE_asmotion"))
+        .ancestors()
+        .nth(2)
+        .unwrap();
     let output = Command::new(env!("CARGO"))
         .args(["test", "--offline"])
         .env("CARGO_TARGET_DIR", target)
@@ -81,7 +99,10 @@ fn a_project_in_rust_has_every_command_with_its_component() {
         "left_arm::tests::it_moves_at_its_speed ... ok",
         "wrist::tests::it_keeps_the_contract_of_components ... ok",
     ] {
-        assert!(text.contains(passed) != (passed == "gripper"), "{passed}: {text}");
+        assert!(
+            text.contains(passed) != (passed == "gripper"),
+            "{passed}: {text}"
+        );
     }
 }
 
@@ -93,11 +114,17 @@ fn a_name_is_checked_and_nothing_is_overwritten() {
         (&["new", "2arms"], "beginning with a letter"),
         (&["new", "arm", "leg"], "`leg` is one name too many"),
         (&["new", "component", "arm"], "this folder is no project"),
-        (&["new", "arm", "--source", "/"], "is not the source code of asmotion"),
+        (
+            &["new", "arm", "--source", "/"],
+            "is not the source code of asmotion",
+        ),
         (&["new", "arm", "--rust", "--python"], "cannot be used with"),
     ] {
         let (code, text) = asmotion(home.path(), arguments);
-        assert!(code == Some(2) && text.contains(problem), "{arguments:?}: {text}");
+        assert!(
+            code == Some(2) && text.contains(problem),
+            "{arguments:?}: {text}"
+        );
     }
     assert!(std::fs::read_dir(home.path()).unwrap().next().is_none());
     succeeds(home.path(), &["new", "arm", "--python"]);
@@ -106,6 +133,9 @@ fn a_name_is_checked_and_nothing_is_overwritten() {
     let project = home.path().join("arm");
     succeeds(&project, &["new", "component", "wrist"]);
     let (code, text) = asmotion(&project, &["new", "component", "wrist"]);
-    assert!(code == Some(2) && text.contains("wrist.py` exists"), "{text}");
+    assert!(
+        code == Some(2) && text.contains("wrist.py` exists"),
+        "{text}"
+    );
     assert!(project.join("test_wrist.py").is_file());
 }
