@@ -24,6 +24,7 @@ mod inspection;
 mod keys;
 mod language;
 mod losses;
+mod message_types;
 mod mission_files;
 mod missions;
 mod person;
