@@ -43,7 +43,8 @@ impl ProgramComponent {
         let reply = session.exchange(Message::of("freeze"), "freeze");
         let reply = reply.map_err(refused)?;
         if is(&reply, "unsupported") {
-            let reason = "the program does not support it".to_owned();
+            let reason = crate::reply::text_of(&reply, "text");
+            let reason = reason.unwrap_or_else(|| "the program does not support it".to_owned());
             return Err(cannot(FreezeProblem::Refused(reason)));
         }
         expect(&reply, "frozen", "freeze").map_err(refused)?;
