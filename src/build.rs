@@ -1,8 +1,10 @@
 //! The components and messages of this binary, and access to environment variables.
 
 use asmotion_composite::model::BuiltinComponent;
-use asmotion_composite::{AsmFiles, Context, Tables, VariableSource};
+use asmotion_composite::{AsmFiles, Context, Programs, Tables, VariableSource};
 use asmotion_lang::Loader;
+
+use crate::programs::AskedPrograms;
 
 /// The components, messages and interfaces of this build.
 pub const BUILD: Tables = Tables {
@@ -12,17 +14,32 @@ pub const BUILD: Tables = Tables {
     builtins: &[BuiltinComponent::PortProxy],
 };
 
-/// Opens a composite with properties set on the command line, as pairs of name and text.
+/// The programs that this invocation has asked for their declarations.
+pub static PROGRAMS: AskedPrograms = AskedPrograms::new();
+
+/// Opens a composite with properties set on the command line, as pairs of name and text. Starts the programs that implement
+/// components to ask them for their declarations.
 pub fn open(
     path: &str,
     settings: &[(String, String)],
     loader: &dyn Loader,
+) -> asmotion_plan::Opened {
+    open_with(path, settings, loader, &PROGRAMS)
+}
+
+/// Like [`open`], with other declarations of programs.
+pub fn open_with(
+    path: &str,
+    settings: &[(String, String)],
+    loader: &dyn Loader,
+    programs: &dyn Programs,
 ) -> asmotion_plan::Opened {
     let context = Context {
         loader,
         environment: &ProcessEnvironment,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(loader),
+        programs,
         settings,
     };
     asmotion_plan::open(path, &context)

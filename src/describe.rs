@@ -267,7 +267,7 @@ impl<'a> Declarations<'a> {
                 .services
                 .iter()
                 .map(|it| {
-                    let operations = BUILD.operations(&it.interface).unwrap_or_default();
+                    let operations = self.operations(&it.interface);
                     (&it.name, &it.interface, operations)
                 })
                 .collect(),
@@ -303,6 +303,23 @@ impl<'a> Declarations<'a> {
             }));
         }
         served
+    }
+
+    /// The operations of an interface, of this build or of a program; none if it is unknown.
+    fn operations(&self, interface: &str) -> Vec<OperationDeclaration> {
+        let of_build = BUILD.operations(interface);
+        let programs = self.plan.components.iter();
+        let declared = programs.filter_map(|it| Some(&it.program.as_ref()?.declaration));
+        let of_programs = declared.flat_map(|it| {
+            let services = it.services.iter().map(|it| (&it.interface, &it.operations));
+            let references = it.references.iter();
+            services.chain(references.map(|it| (&it.interface, &it.operations)))
+        });
+        let of_programs = || {
+            let mut found = of_programs.filter(|(known, _)| *known == interface);
+            found.next().map(|(_, operations)| operations.clone())
+        };
+        of_build.or_else(of_programs).unwrap_or_default()
     }
 
     /// References wired to a service that call the operation. A reference without declared calls can call any

@@ -30,6 +30,7 @@ mod missions;
 mod person;
 mod pictures;
 mod processes;
+mod programs;
 mod reconfigure;
 mod repl;
 mod robots;

@@ -7,6 +7,7 @@ mod fix;
 mod json;
 
 use super::tool::Tool;
+use crate::build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::paths::{FileKind, named_files};
@@ -56,6 +57,10 @@ pub struct Check {
     #[arg(long, conflicts_with_all = ["json", "explain"])]
     connections: bool,
 
+    /// Starts no programs that implement components of composites, and does not verify their ports and services
+    #[arg(long)]
+    no_programs: bool,
+
     /// Follows this tool where it observably differs from the textbook
     #[arg(long, value_enum, value_name = "TOOLS")]
     compat: Option<Tool>,
@@ -97,6 +102,9 @@ impl Check {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         if let Some(code) = &self.explain {
             return explain::explain(code.as_deref(), terminal);
+        }
+        if self.no_programs {
+            build::PROGRAMS.turn_off();
         }
         let options = self.options();
         let named = match named_files(&self.paths, KINDS) {

@@ -13,6 +13,7 @@ use asmotion_runtime::System;
 use super::version_switch::VersionSwitch;
 use super::{Mission, MissionError};
 use crate::broker::{self, AmqpSettings};
+use crate::build;
 use crate::files::DiskLoader;
 
 /// Brokers of a mission.
@@ -128,7 +129,7 @@ impl Mission {
 
     /// Applies a function to the plan, if the composite can be started.
     pub(super) fn with_plan<T>(&self, f: impl FnOnce(&Plan) -> T) -> Option<T> {
-        let opened = self.open(&self.composite, &DiskLoader);
+        let opened = self.open(&self.composite, &DiskLoader, &build::PROGRAMS);
         if opened.report.has_errors() {
             return None;
         }

@@ -21,13 +21,21 @@ use asmotion_runtime::{Log, Run, System};
 
 /// The command of a test program.
 fn command(words: &[&str]) -> ProgramCommand {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs");
+    let is_example = words
+        .first()
+        .is_some_and(|word| word.contains("gripper.py"));
+    let directory = if is_example {
+        "../../examples/gripper"
+    } else {
+        "tests/programs"
+    };
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join(directory);
     let words = ["python3"].iter().chain(words);
     ProgramCommand {
         words: words.map(|word| (*word).to_owned()).collect(),
         directory,
         start_timeout: Duration::from_secs(10),
-        timeout: Duration::from_millis(500),
+        timeout: Duration::from_millis(1500),
     }
 }
 
@@ -317,7 +325,7 @@ fn a_frozen_program_continues_in_another_process() {
 /// Asks a bad program for its declaration.
 fn refusal(how: &str) -> String {
     let mut command = command(&["bad.py", how]);
-    command.start_timeout = Duration::from_millis(700);
+    command.start_timeout = Duration::from_millis(2500);
     let error = declaration(&command).expect_err("no declaration");
     error.to_string()
 }
@@ -339,7 +347,7 @@ fn a_program_that_cannot_be_asked_says_why() {
     ] {
         text += &format!("{how}: {}\n", refusal(how));
     }
-    for words in [&["no-such-program"][..], &["./gripper.py"], &[]] {
+    for words in [&["no-such-program"][..], &["./bad.py"], &[]] {
         let command = ProgramCommand {
             words: words.iter().map(|word| (*word).to_owned()).collect(),
             ..command(&[])
@@ -370,12 +378,14 @@ fn failure(how: &str) -> String {
 
 #[test]
 fn a_failing_program_is_reported_isolated_and_reset() {
-    let mut text = String::new();
-    for how in [
+    let all = [
         "dies", "killed", "late", "hangs", "huge", "type", "port", "field", "reply", "faults",
-    ] {
-        text += &format!("{how}\n{}\n\n", failure(how));
-    }
+    ];
+    let failures = std::thread::scope(|scope| {
+        let failures = all.map(|how| scope.spawn(move || format!("{how}\n{}\n", failure(how))));
+        failures.map(|it| it.join().unwrap())
+    });
+    let text = failures.join("\n");
     insta::assert_snapshot!(text);
 }
 

@@ -10,7 +10,7 @@ use super::ProgramComponent;
 use super::actions::{LineBudget, OpenCall, OpenExchanges, OpenRequest};
 use crate::error::ProgramError;
 use crate::reply::{expect, is, value_of};
-use crate::request::Message;
+use crate::request::ProgramRequest;
 
 /// Version of the layout.
 const VERSION: u32 = 1;
@@ -40,7 +40,7 @@ impl ProgramComponent {
         };
         let refused = |error: ProgramError| cannot(FreezeProblem::Refused(error.to_string()));
         let session = self.session().map_err(refused)?;
-        let reply = session.exchange(Message::of("freeze"), "freeze");
+        let reply = session.exchange(ProgramRequest::of("freeze"), "freeze");
         let reply = reply.map_err(refused)?;
         if is(&reply, "unsupported") {
             let reason = crate::reply::text_of(&reply, "text");
@@ -72,7 +72,7 @@ impl ProgramComponent {
         };
         let foreign = |reason: ProgramError| error(ThawProblem::Foreign(reason.to_string()));
         let session = self.session().map_err(foreign)?;
-        let request = Message::of("thaw").put("state", frozen.state);
+        let request = ProgramRequest::of("thaw").put("state", frozen.state);
         let reply = session.exchange(request, "thaw").map_err(foreign)?;
         if is(&reply, "unsupported") {
             return Err(error(ThawProblem::NotImplemented));
