@@ -7,13 +7,14 @@ use std::sync::Arc;
 
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface, Operation};
-use asmotion_composite::{AsmFiles, Catalogue, ComponentFactory, Context};
+use asmotion_composite::{AsmFiles, Catalogue, ComponentFactory, Context, Programs};
 use asmotion_datum::Message;
 use asmotion_lang::Loader;
 use asmotion_map::{MapFormat, MapFormats, MapServer};
 use asmotion_plan::Opened;
 use asmotion_planner::{MakePlanner, Planners, TrajectoryPlanner};
 
+use crate::programs::AskedPrograms;
 use crate::transport::{ConnectTransport, Transports};
 use catalogue::BuildCatalogue;
 use environment::ProcessEnvironment;
@@ -25,6 +26,8 @@ pub struct Build {
     map_formats: MapFormats,
     planners: Planners,
     transports: Transports,
+    /// The programs that have been asked for their declarations; clones share them.
+    programs: Arc<AskedPrograms>,
 }
 
 impl Build {
@@ -35,6 +38,7 @@ impl Build {
             map_formats: MapFormats::standard(),
             planners: Planners::standard(),
             transports: Transports::default(),
+            programs: Arc::default(),
         }
     }
 
@@ -58,13 +62,31 @@ impl Build {
         self.catalogue.problems()
     }
 
-    /// Opens a composite with properties set on the command line, as pairs of name and text.
+    /// The programs that implement components, as far as they have been asked for their declarations.
+    pub(crate) fn programs(&self) -> &AskedPrograms {
+        &self.programs
+    }
+
+    /// Opens a composite with properties set on the command line, as pairs of name and text. Starts the programs that
+    /// implement components, to ask them for their declarations.
     pub fn open(&self, path: &str, settings: &[(String, String)], loader: &dyn Loader) -> Opened {
+        self.open_with(path, settings, loader, &*self.programs)
+    }
+
+    /// Like [`open`](Self::open), with other declarations of programs.
+    pub(crate) fn open_with(
+        &self,
+        path: &str,
+        settings: &[(String, String)],
+        loader: &dyn Loader,
+        programs: &dyn Programs,
+    ) -> Opened {
         let context = Context {
             loader,
             environment: &ProcessEnvironment,
             catalogue: &*self.catalogue,
             specifications: &AsmFiles::new(loader),
+            programs,
             settings,
         };
         asmotion_plan::open(path, &context)

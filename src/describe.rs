@@ -1,10 +1,16 @@
 //! The external interface of a composite: components, topics and served operations.
 
 pub mod asyncapi;
+mod cpp;
 mod envelope;
+pub mod language;
 mod operation_types;
+mod python;
+pub mod types;
+mod typescript;
 pub mod yaml;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use asmotion_assembly::{Standard, Workshop};
@@ -28,6 +34,34 @@ pub struct Description<'p> {
     pub topics: Vec<Channel>,
     /// All served operations, in the order of the files.
     pub operations: Vec<ServedOperation>,
+    /// Message types of the ports.
+    ports: Vec<Schema>,
+    /// Operations of the references, by interface.
+    called: BTreeMap<String, Vec<OperationDeclaration>>,
+}
+
+impl Description<'_> {
+    /// Message types of topics and ports.
+    fn messages(&self) -> impl Iterator<Item = &Schema> {
+        let topics = self.topics.iter().map(|topic| &topic.message);
+        topics.chain(&self.ports)
+    }
+
+    /// Operations of all services and references, by interface.
+    fn interfaces(&self) -> BTreeMap<String, Vec<OperationDeclaration>> {
+        let mut interfaces = self.called.clone();
+        for served in &self.operations {
+            let operations = interfaces.entry(served.interface.clone()).or_default();
+            match operations
+                .iter_mut()
+                .find(|it| it.name == served.operation.name)
+            {
+                Some(known) => known.clone_from(&served.operation),
+                None => operations.push(served.operation.clone()),
+            }
+        }
+        interfaces
+    }
 }
 
 /// A topic with its publishers and subscribers.
@@ -97,6 +131,8 @@ pub fn describe<'p>(build: &Build, opened: &Opened, plan: &'p Plan) -> Descripti
             .iter()
             .flat_map(|component| declared.served(component))
             .collect(),
+        ports: declared.ports(),
+        called: declared.called(),
     }
 }
 
@@ -163,6 +199,36 @@ impl<'a> Declarations<'a> {
         }
     }
 
+    /// Message types of all ports.
+    fn ports(&self) -> Vec<Schema> {
+        let declared = self.components.iter().flatten();
+        let declared = declared.flat_map(|it| it.inputs.iter().chain(&it.outputs));
+        let declared = declared.map(|port| self.resolve_named(port.schema.clone()));
+        let named = self.plan.components.iter();
+        let named = named.flat_map(|it| it.inputs.iter().chain(&it.outputs));
+        let named = named.map(|port| self.resolve_named(Schema::opaque(port.kind.clone())));
+        declared.chain(named).collect()
+    }
+
+    /// Operations of all declared references, by interface.
+    fn called(&self) -> BTreeMap<String, Vec<OperationDeclaration>> {
+        let mut called: BTreeMap<String, Vec<OperationDeclaration>> = BTreeMap::new();
+        let declared = self.components.iter().flatten();
+        for reference in declared.flat_map(|it| &it.references) {
+            let operations = called.entry(reference.interface.clone()).or_default();
+            for operation in &reference.operations {
+                if !operations.iter().any(|known| known.name == operation.name) {
+                    operations.push(OperationDeclaration {
+                        request: self.resolve_named(operation.request.clone()),
+                        response: self.resolve_named(operation.response.clone()),
+                        ..operation.clone()
+                    });
+                }
+            }
+        }
+        called
+    }
+
     /// Connections between processes: each output is a topic of its own.
     fn crossings(&self) -> Vec<Channel> {
         let process = |component: &str| {
@@ -204,7 +270,7 @@ impl<'a> Declarations<'a> {
                 .services
                 .iter()
                 .map(|it| {
-                    let operations = self.catalogue.operations(&it.interface).unwrap_or_default();
+                    let operations = self.operations(&it.interface);
                     (&it.name, &it.interface, operations)
                 })
                 .collect(),
@@ -240,6 +306,23 @@ impl<'a> Declarations<'a> {
             }));
         }
         served
+    }
+
+    /// The operations of an interface, of this build or of a program; none if it is unknown.
+    fn operations(&self, interface: &str) -> Vec<OperationDeclaration> {
+        let of_build = self.catalogue.operations(interface);
+        let programs = self.plan.components.iter();
+        let declared = programs.filter_map(|it| Some(&it.program.as_ref()?.declaration));
+        let of_programs = declared.flat_map(|it| {
+            let services = it.services.iter().map(|it| (&it.interface, &it.operations));
+            let references = it.references.iter();
+            services.chain(references.map(|it| (&it.interface, &it.operations)))
+        });
+        let of_programs = || {
+            let mut found = of_programs.filter(|(known, _)| *known == interface);
+            found.next().map(|(_, operations)| operations.clone())
+        };
+        of_build.or_else(of_programs).unwrap_or_default()
     }
 
     /// References wired to a service that call the operation. A reference without declared calls can call any

@@ -22,6 +22,7 @@ mod inspection;
 pub mod mission;
 mod output_files;
 mod paths;
+mod programs;
 mod prompt;
 pub mod record;
 mod show;

@@ -25,6 +25,7 @@ use std::time::{Duration, Instant};
 use asmotion_assembly::{Assembled, Standard};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
+use asmotion_composite::Programs;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
@@ -159,7 +160,7 @@ impl Mission {
         mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<MissionEnd, MissionError> {
-        let opened = self.open(&self.composite, &DiskLoader);
+        let opened = self.open(&self.composite, &DiskLoader, self.build.programs());
         if opened.report.has_errors() {
             return Err(MissionError::Composite {
                 sources: opened.sources,
@@ -330,8 +331,10 @@ impl Mission {
     }
 
     /// Opens a version of the composite with the properties set on the command line.
-    fn open(&self, composite: &str, files: &dyn Loader) -> Opened {
-        let opened = self.build.open(composite, &self.settings, files);
+    fn open(&self, composite: &str, files: &dyn Loader, programs: &dyn Programs) -> Opened {
+        let opened = self
+            .build
+            .open_with(composite, &self.settings, files, programs);
         let properties = opened.composite.iter().flat_map(|it| &it.properties);
         let has_seed = properties
             .map(|it| &*it.name.value)
@@ -341,7 +344,7 @@ impl Mission {
         }
         let mut settings = self.settings.clone();
         settings.push(("seed".to_owned(), self.seed.to_string()));
-        self.build.open(composite, &settings, files)
+        self.build.open_with(composite, &settings, files, programs)
     }
 
     fn drive(

@@ -1,8 +1,9 @@
 //! The pages of the composite codes: the wrong example produces the code, the corrected one does not.
 
-use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
+use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, ProgramAnswer, Programs, Tables};
 use asmotion_diagnostics::Code;
 use asmotion_lang::{Diagnostic, MemoryFiles, Report, Severity};
+use asmotion_program::{ProgramCommand, ProgramError};
 use std::collections::BTreeSet;
 
 const BUILD: Tables = Tables {
@@ -11,6 +12,20 @@ const BUILD: Tables = Tables {
     interfaces: asmotion_components::INTERFACES,
     builtins: &[],
 };
+
+/// Knows that there is no program `grippr`, and asks no other one.
+struct MissingProgram;
+
+impl Programs for MissingProgram {
+    fn ask(&self, command: &ProgramCommand, _: &str) -> Option<ProgramAnswer> {
+        (command.line() == "grippr").then(|| {
+            Err(ProgramError::NotStarted {
+                command: command.line(),
+                reason: "file not found".to_owned(),
+            })
+        })
+    }
+}
 
 /// Codes without an example on their page, because they need many or large files.
 const WITHOUT_EXAMPLE: &[&str] = &["C081", "C082", "C112", "C116"];
@@ -69,6 +84,7 @@ fn found(code: &Code, info: &str) -> Option<Report> {
         environment: &EmptyEnvironment,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(&files),
+        programs: &MissingProgram,
         settings: &[],
     };
     Some(asmotion_plan::open("example.toml", &context).report)

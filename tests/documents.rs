@@ -1,7 +1,7 @@
 //! Every shell block of the documentation runs, and prints what the document shows.
 //!
 //! The documents are `README.md`, `docs/*.md` and `specs/*/README.md`. The blocks of a document run from top to bottom in one
-//! folder with a copy of `specs`, as by a reader who follows it.
+//! folder with copies of `specs` and `examples/gripper`, as by a reader who follows it.
 //!
 //! | in a document | meaning |
 //! |---|---|

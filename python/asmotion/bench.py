@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
-from asmotion import cbor
+from asmotion import cbor, recording
 from asmotion.component import BoundOperation, Component
 from asmotion.errors import CallError, Fault, MismatchError
 from asmotion.program import Program
@@ -101,9 +102,9 @@ class Outcome:
 class Bench(Generic[C]):
     """Drives a component in virtual time:
 
-        bench = asmotion.Bench(Gripper, speed=0.2)
-        outcome = bench.give("command", GripperCommand(opening=0.05)).cycle()
-        assert outcome["state"].opening == 0.02
+        bench = asmotion.Bench(Gripper, speed=0.5)
+        outcome = bench.give("command", GripperCommand(opening=0.08)).cycle()
+        assert outcome["state"].opening == 0.05
 
     Keywords are values of properties. The component is configured and started; `period_s` passes before each cycle.
     """
@@ -121,6 +122,7 @@ class Bench(Generic[C]):
         self._declaration = cls.declaration()
         self._properties: dict[str, Any] = {}
         self._inputs: dict[str, list[Any]] = {}
+        self._recorded: list[tuple[int, str, Any]] = []
         self._stale: set[str] = set()
         self._lost: dict[str, int] = {}
         self._asked: list[dict[str, Any]] = []
@@ -188,6 +190,25 @@ class Bench(Generic[C]):
         self._stale.discard(port)
         if is_stale:
             self._stale.add(port)
+        return self
+
+    def give_recorded(self, file: str | os.PathLike[str], **ports: str) -> Bench[C]:
+        """Gives the samples of a recording (`asmotion run --record`), each in the first cycle at or after its time.
+
+            bench.give_recorded("arm.csv", commands="Driver.commands").run_for(5.0)
+
+        Args:
+            ports: for each input, the name of the recorded port.
+
+        Raises:
+            MismatchError: the samples do not fit the type of the port.
+            LookupError: there is no such input, or no such port in the recording.
+            ValueError: the file is no recording.
+        """
+        for port, name in ports.items():
+            form = _known("input", port, self._declaration.inputs).form()
+            self._recorded += [(at, port, sample) for at, sample in recording.read(file, name, form)]
+        self._recorded.sort(key=lambda entry: entry[0])
         return self
 
     def expire(self, port: str) -> Bench[C]:
@@ -303,7 +324,7 @@ class Bench(Generic[C]):
         reply = self._ask({"type": "freeze"})
         if reply["type"] == "unsupported":
             raise Fault("UNSUPPORTED", reply.get("text", ""))
-        return bytes(reply["state"])
+        return bytes(reply["state"].memory)
 
     def thaw(self, state: bytes) -> Bench[C]:
         """Restores a state.
@@ -322,6 +343,10 @@ class Bench(Generic[C]):
         if kind != "serve":
             self.now += round(self.period_s * 1e9)
             self.number += 1
+            due = [entry for entry in self._recorded if entry[0] <= self.now]
+            self._recorded = self._recorded[len(due) :]
+            for _, port, sample in due:
+                self.give(port, sample)
         inputs = {name: {"samples": samples, "written_at": self.now} for name, samples in self._inputs.items()}
         parts: dict[str, Any] = {
             "inputs": {} if kind == "serve" else inputs,

@@ -173,7 +173,7 @@ class _Writer:
             content: Buffer = memory.cast("B")
         except TypeError:  # a stride, or a format with a prefix
             content = memory.tobytes()
-        if not (isinstance(value, memoryview) and memory.format == "B"):
+        if tag != 64:  # a byte string is a list of bytes as it is
             self.head(6, tag)
         self.head(2, len(content))
         self.raw(content)
@@ -193,7 +193,7 @@ def _within(place: str, text: str) -> str:
 
 
 def loads(data: Buffer) -> Any:
-    """Decodes exactly one item. Byte strings are `bytes`, typed arrays are a `NumberView` on `data`.
+    """Decodes exactly one item. Byte strings and typed arrays are a `NumberView` on `data`.
 
     Raises:
         CborError: `data` is not exactly one CBOR item.
@@ -245,9 +245,10 @@ class _Reader:
         if major == 7:
             return self.simple(more)
         argument = self.argument(more)
-        if major == 2 or major == 3:
-            content = self.text(major, argument)
-            return content if major == 2 else _utf8(content)
+        if major == 2:
+            return NumberView(self.take(argument) if argument is not None else memoryview(self.pieces(2)))
+        if major == 3:
+            return _utf8(bytes(self.take(argument)) if argument is not None else self.pieces(3))
         if major == 4:
             return list(self.elements(argument, depth))
         if major == 5:
@@ -269,9 +270,7 @@ class _Reader:
             return _BREAK
         raise CborError(f"unknown simple value {more}")
 
-    def text(self, major: int, length: int | None) -> bytes:
-        if length is not None:
-            return bytes(self.take(length))
+    def pieces(self, major: int) -> bytes:
         pieces = []
         while (first := self.take(1)[0]) != 0xFF:
             piece = self.argument(first & 31)

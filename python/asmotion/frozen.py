@@ -28,11 +28,10 @@ def freeze(component: Component, engine: Engine) -> bytes:
     """
     if engine.tasks:
         raise CannotFreeze("a coroutine is under way")
-    known: dict[str, type[Any]] = {}
     attributes = {}
     for name, value in vars(component).items():
         if name != "_engine":
-            attributes[name] = _pack(value, f"`{type(component).__name__}.{name}`", known)
+            attributes[name] = _pack(value, f"`{type(component).__name__}.{name}`")
     inputs = {
         name: [_data(port, port.read()), port.written_at, port.is_stale, port.lost] for name, port in engine.inputs.items()
     }
@@ -58,10 +57,12 @@ def _service_of(engine: Engine, item: Pending[Any]) -> list[str]:
     return [item._served.name, item._served.method.__name__]
 
 
-def _pack(value: Any, place: str, known: dict[str, type[Any]]) -> Any:
+def _pack(value: Any, place: str) -> Any:
     """Returns a value as data: plain values as they are, others as a map of kind and content."""
-    if value is None or isinstance(value, (bool, int, float, str, bytes)) and not isinstance(value, enum.Enum):
+    if value is None or isinstance(value, (bool, int, float, str)) and not isinstance(value, enum.Enum):
         return value
+    if isinstance(value, bytes):
+        return {"bytes": value}
     if isinstance(value, Call):
         if value.is_done:
             raise CannotFreeze(f"{place} is a call that has ended; keep its result instead")
@@ -69,22 +70,24 @@ def _pack(value: Any, place: str, known: dict[str, type[Any]]) -> Any:
     if isinstance(value, Pending):
         return {"pending": value.id}
     if isinstance(value, random.Random):
-        return {"random": _pack(value.getstate(), place, known)}
-    for kind, cls in (("list", list), ("tuple", tuple), ("deque", deque)):
+        return {"random": _pack(value.getstate(), place)}
+    if type(value) is deque:
+        return {"deque": [value.maxlen, [_pack(element, place) for element in value]]}
+    for kind, cls in (("list", list), ("tuple", tuple)):
         if type(value) is cls:
-            return {kind: [_pack(element, place, known) for element in value]}
+            return {kind: [_pack(element, place) for element in value]}
     if type(value) in (set, frozenset):
-        elements = [_pack(element, place, known) for element in value]
+        elements = [_pack(element, place) for element in value]
         return {type(value).__name__: sorted(elements, key=cbor.dumps)}
     if type(value) in (dict, Record):
-        pairs = [[_pack(key, place, known), _pack(element, place, known)] for key, element in value.items()]
+        pairs = [[_pack(key, place), _pack(element, place)] for key, element in value.items()]
         return {type(value).__name__: pairs}
     if isinstance(value, NumberView):
         return {"numbers": value}
     if isinstance(value, enum.Enum):
         return {"enum": [*_path(type(value), place), value.name]}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        fields = {field.name: _pack(getattr(value, field.name), place, known) for field in dataclasses.fields(value)}
+        fields = {field.name: _pack(getattr(value, field.name), place) for field in dataclasses.fields(value)}
         return {"dataclass": [*_path(type(value), place), fields]}
     if type(value).__module__ == "numpy" and type(value).__name__ == "ndarray":
         return {"array": [value.ravel(), list(value.shape)]}
@@ -148,12 +151,16 @@ def _unpack(data: Any, engine: Engine) -> Any:
         generator = random.Random()
         generator.setstate(_unpack(content, engine))
         return generator
-    if kind in ("list", "tuple", "deque", "set", "frozenset"):
-        make: Any = {"list": list, "tuple": tuple, "deque": deque, "set": set, "frozenset": frozenset}[kind]
+    if kind == "deque":
+        return deque((_unpack(element, engine) for element in content[1]), content[0])
+    if kind in ("list", "tuple", "set", "frozenset"):
+        make: Any = {"list": list, "tuple": tuple, "set": set, "frozenset": frozenset}[kind]
         return make(_unpack(element, engine) for element in content)
     if kind in ("dict", "Record"):
         pairs = {_unpack(key, engine): _unpack(element, engine) for key, element in content}
         return Record(pairs) if kind == "Record" else pairs
+    if kind == "bytes":
+        return bytes(content.memory)
     if kind == "numbers":
         return content
     if kind == "array":

@@ -55,8 +55,8 @@ class NumberView(Sequence[Any]):
     def __eq__(self, other: object) -> bool:
         if isinstance(other, NumberView):
             return self.memory == other.memory
-        if isinstance(other, (list, tuple, array)):
-            return self.memory.tolist() == list(other)
+        if isinstance(other, (list, tuple, array, bytes)):
+            return len(self.memory) == len(other) and self.memory.tolist() == list(other)
         return NotImplemented
 
     __hash__ = None  # type: ignore[assignment]

@@ -265,7 +265,7 @@ class Program:
             return {"type": "unsupported", "text": str(error)}
 
     def _thaw(self, request: dict[str, Any]) -> dict[str, Any]:
-        state = request["state"]
+        state = bytes(request["state"].memory)
         if self.component is None:
             self._build()
         if state and self.component is not None:

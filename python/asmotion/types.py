@@ -97,7 +97,7 @@ class Record(dict[str, Any]):
         self[name] = value
 
 
-@dataclass_transform()
+@dataclass_transform(field_specifiers=(dataclasses.field,))
 def message(name: str) -> Callable[[type[T]], type[T]]:
     """Makes a class a dataclass and the message type of this name, for example `acme/GripperState`."""
 

@@ -1,5 +1,7 @@
 """Components on the bench."""
 
+import collections
+import enum
 import random
 import unittest
 from typing import Annotated
@@ -17,6 +19,11 @@ class Number:
 @asmotion.message("acme/Text")
 class Text:
     text: str = ""
+
+
+class Manner(enum.Enum):
+    SOFT = "soft"
+    HARD = "hard"
 
 
 class Doubling(asmotion.Interface, name="acme/Doubling"):
@@ -334,6 +341,16 @@ class State(unittest.TestCase):
         other._ends.append({"call": call.id, "result": {"value": 84.0}})
         other.cycle()
         self.assertEqual(other.component.call.result(), Number(84.0))
+
+    def test_attributes_of_every_kind_survive(self):
+        bench = Bench(Worker)
+        bench.component.kinds = kinds = [
+            b"ab", (1, 2.5), {"a": {1: None}, 2: True}, {3, 1}, frozenset("x"), collections.deque([1], 3), Number(4.0),
+            Manner.HARD, asmotion.Record(a=1),
+        ]  # fmt: skip
+        thawed = Bench(Worker).thaw(bench.freeze()).component.kinds
+        self.assertEqual((thawed, thawed[5].maxlen), (kinds, 3))
+        self.assertEqual([type(kind) for kind in thawed], [type(kind) for kind in kinds])
 
     def test_an_attribute_without_a_form_is_named(self):
         bench = Bench(Worker)

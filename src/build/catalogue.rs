@@ -183,6 +183,10 @@ impl Catalogue for BuildCatalogue {
         find(&self.messages, message).cloned()
     }
 
+    fn interfaces(&self) -> Vec<String> {
+        names(&self.interfaces)
+    }
+
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
         find(&self.interfaces, interface).cloned()
     }

@@ -57,6 +57,10 @@ pub struct Check {
     #[arg(long, conflicts_with_all = ["json", "explain"])]
     connections: bool,
 
+    /// Starts no programs that implement components of composites, and does not verify their ports and services
+    #[arg(long)]
+    no_programs: bool,
+
     /// Follows this tool where it observably differs from the textbook
     #[arg(long, value_enum, value_name = "TOOLS")]
     compat: Option<Tool>,
@@ -98,6 +102,9 @@ impl Check {
     pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         if let Some(code) = &self.explain {
             return explain::explain(code.as_deref(), terminal);
+        }
+        if self.no_programs {
+            build.programs().turn_off();
         }
         let options = self.options();
         let named = match named_files(&self.paths, KINDS) {

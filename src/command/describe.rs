@@ -2,9 +2,11 @@
 
 use asmotion_composite::model::Transport;
 use asmotion_plan::{End, Plan, Promoted};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::build::Build;
+use crate::describe::language::{self, TargetLanguage};
+use crate::describe::types::MessageTypes;
 use crate::describe::{self, Channel, Description, ServedOperation, asyncapi, yaml};
 use crate::exit::Exit;
 use crate::files::DiskLoader;
@@ -14,9 +16,15 @@ use crate::terminal::TerminalOutput;
 
 /// Shows the components, topics and services of a composite, for people or for tools.
 #[derive(Args)]
+#[command(group(ArgGroup::new("language").args(["python", "typescript", "cpp"]).conflicts_with("asyncapi")))]
 pub struct Describe {
     /// Composite file
-    composite: String,
+    #[arg(required_unless_present = "messages")]
+    composite: Option<String>,
+
+    /// Message types and interfaces of this build instead of those of a composite
+    #[arg(long, requires = "language", conflicts_with_all = ["composite", "profile"])]
+    messages: bool,
 
     /// Profile of the composite
     #[arg(long)]
@@ -25,6 +33,18 @@ pub struct Describe {
     /// Prints an AsyncAPI 3.0.0 document: exchanges, channels and the schema of every message
     #[arg(long)]
     asyncapi: bool,
+
+    /// Prints the message types and interfaces as dataclasses for the Python package `asmotion`
+    #[arg(long)]
+    python: bool,
+
+    /// Prints the message types and interfaces as TypeScript, for the JSON of an HTTP gateway
+    #[arg(long)]
+    typescript: bool,
+
+    /// Prints the message types and interfaces as a C++17 header
+    #[arg(long)]
+    cpp: bool,
 
     /// Format of the AsyncAPI document
     #[arg(long, value_enum, default_value_t = DescriptionFormat::Json, requires = "asyncapi")]
@@ -44,10 +64,21 @@ enum DescriptionFormat {
 
 impl Describe {
     pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
-        let opened = build.open(&self.composite, &[], &DiskLoader);
+        let language = self.language();
+        let Some(composite) = self.composite else {
+            if let Some((flag, language)) = language {
+                let title = "Message types and interfaces of asmotion.";
+                let command = format!("asmotion describe --messages --{flag}");
+                let types = MessageTypes::of_build(build.catalogue());
+                let source = language::source(&types, language, title, &command);
+                terminal.result(source.trim_end());
+            }
+            return Exit::Ok;
+        };
+        let opened = build.open(&composite, &[], &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
-            return Exit::refused(&self.composite);
+            return Exit::refused(&composite);
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile, opened.profiles);
@@ -58,7 +89,13 @@ impl Describe {
             return Exit::Usage;
         };
         let description = describe::describe(build, &opened, plan);
-        if self.asyncapi {
+        if let Some((flag, language)) = language {
+            let title = format!("Message types and interfaces of `{}`.", plan.name);
+            let command = format!("asmotion describe COMPOSITE --{flag}");
+            let types = MessageTypes::of(&description);
+            let source = language::source(&types, language, &title, &command);
+            terminal.result(source.trim_end());
+        } else if self.asyncapi {
             let robot = self.robot.as_deref().unwrap_or(&plan.name);
             let document = asyncapi::document(&description, robot);
             match self.format {
@@ -69,6 +106,18 @@ impl Describe {
             tables(&description, terminal);
         }
         Exit::Ok
+    }
+
+    /// The programming language to translate to, with its flag.
+    fn language(&self) -> Option<(&'static str, &'static dyn TargetLanguage)> {
+        let chosen = [
+            ("python", self.python),
+            ("typescript", self.typescript),
+            ("cpp", self.cpp),
+        ];
+        let (flag, _) = chosen.into_iter().find(|(_, is_chosen)| *is_chosen)?;
+        let (flag, language) = language::LANGUAGES.iter().find(|(name, _)| *name == flag)?;
+        Some((*flag, *language))
     }
 }
 

@@ -6,6 +6,7 @@ use crate::exit::Exit;
 use crate::files::{DiskLoader, Remembering};
 use crate::mission::{CompositeVersion, reconfigure_address};
 use crate::terminal::TerminalOutput;
+use asmotion_composite::NoPrograms;
 use asmotion_datum::Datum;
 use asmotion_plan::beside;
 use asmotion_remote::{Remote, RemoteError, RobotPresence};
@@ -44,7 +45,7 @@ impl Reconfigure {
         let settings: Vec<_> = settings
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
             .collect();
-        let opened = build.open(&self.composite, &settings, &files);
+        let opened = build.open_with(&self.composite, &settings, &files, &NoPrograms);
         terminal.report(&opened.report, &opened.sources);
         let Some(composite) = opened.composite.filter(|_| !opened.report.has_errors()) else {
             return Exit::refused(&self.composite);

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Mission;
 use crate::files::{DiskLoader, SentFiles};
+use crate::programs::RunningPrograms;
 
 /// Maximum number of versions waiting.
 const WAITING: usize = 4;
@@ -116,7 +117,9 @@ impl<'m> VersionSwitch<'m> {
     /// Returns a version as this process would run it from the start.
     fn open(&self, version: &CompositeVersion) -> Result<Version, Refusal> {
         let sent = SentFiles::in_folder_of(self.path, &version.files);
-        let opened = self.mission.open(&sent.path(&version.composite), &sent);
+        let programs = RunningPrograms(&self.running.plan);
+        let path = sent.path(&version.composite);
+        let opened = self.mission.open(&path, &sent, &programs);
         if opened.report.has_errors() {
             let findings = render_all(&opened.report, &opened.sources, Style::Plain);
             return Err(refusal("BAD_COMPOSITE", findings));

@@ -49,11 +49,10 @@ impl<'b> Reader<'b> {
         let folder = tempfile::tempdir().unwrap();
         let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr();
         let gateway = free.unwrap().to_string();
-        copy(
-            &root().join("specs"),
-            &folder.path().join("specs"),
-            &gateway,
-        );
+        std::fs::create_dir(folder.path().join("examples")).unwrap();
+        for part in ["specs", "examples/gripper"] {
+            copy(&root().join(part), &folder.path().join(part), &gateway);
+        }
         let bin = folder.path().join(".bin");
         std::fs::create_dir(&bin).unwrap();
         std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_asmotion"), bin.join("asmotion")).unwrap();

@@ -328,6 +328,7 @@ fn open(files: &MemoryFiles) -> Opened {
         environment: &EmptyEnvironment,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(files),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open("bench.composite.toml", &context)

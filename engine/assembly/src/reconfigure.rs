@@ -556,7 +556,7 @@ fn implementation(component: &Component) -> String {
             format!("`{shown}`")
         }
         Implementation::Rust(name) | Implementation::Builtin { name, .. } => format!("`{name}`"),
-        Implementation::Process { .. } => "another program".to_owned(),
+        Implementation::Process { command, .. } => format!("the program `{}`", command.join(" ")),
         Implementation::Ros { .. } => "a ROS node".to_owned(),
         Implementation::Orocos { .. } => "an Orocos component".to_owned(),
     }

@@ -240,6 +240,7 @@ fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
     let context = Context {
         catalogue: &BUILD,
         specifications: &specifications,
+        programs: &asmotion_composite::NoPrograms,
         ..Context::files(&files)
     };
     let opened = asmotion_plan::open("main.toml", &context);

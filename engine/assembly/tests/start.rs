@@ -235,6 +235,7 @@ fn open(files: &MemoryFiles, settings: &[(String, String)]) -> Opened {
         environment: &Variables,
         catalogue: &BUILD,
         specifications: &specifications,
+        programs: &asmotion_composite::NoPrograms,
         settings,
     };
     let opened = asmotion_plan::open("main.toml", &context);
@@ -328,7 +329,7 @@ fn it_refuses_to_start_what_is_not_in_the_build() {
         .unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`Starter` cannot be created: other programs cannot be started yet"
+        "`Starter` cannot be created: its program was not asked for its declaration"
     );
 }
 
@@ -494,6 +495,7 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
         environment: &Variables,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(&files),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     let opened = asmotion_plan::open("main.toml", &context);

@@ -65,6 +65,7 @@ fn open(text: &str) -> Opened {
         environment: &Variables,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(&files),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open("tca.toml", &context)
@@ -191,6 +192,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
         environment: &Variables,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(&files),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     let opened = asmotion_plan::open("tca.toml", &context);

@@ -45,6 +45,9 @@ pub trait Catalogue {
     /// Returns the schema of a message type; `None` if it is unknown.
     fn schema(&self, message: &str) -> Option<Schema>;
 
+    /// Names of all service interfaces.
+    fn interfaces(&self) -> Vec<String>;
+
     /// Returns the operations of a service interface; `None` if it is unknown.
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>>;
 }
@@ -97,6 +100,13 @@ impl Catalogue for Tables {
 
     fn schema(&self, message: &str) -> Option<Schema> {
         row(self.messages, message).map(|schema| schema().clone())
+    }
+
+    fn interfaces(&self) -> Vec<String> {
+        self.interfaces
+            .iter()
+            .map(|(name, _)| (*name).to_owned())
+            .collect()
     }
 
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {

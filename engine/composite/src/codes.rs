@@ -112,6 +112,7 @@ pub(crate) mod c148;
 pub(crate) mod c149;
 pub(crate) mod c150;
 pub(crate) mod c151;
+pub(crate) mod c153;
 
 use asmotion_diagnostics::Code;
 
@@ -227,4 +228,5 @@ pub const CODES: &[&Code] = &[
     c149::LiteralWithoutSource::CODE,
     c150::UnmappedOperation::CODE,
     c151::NoSingleProvider::CODE,
+    c153::ProgramWithoutDeclaration::CODE,
 ];

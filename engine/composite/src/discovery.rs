@@ -4,7 +4,7 @@
 //! An operation with an argument and no result writes an input of the target, one with a result and no argument reads an
 //! output. The types determine the port; of several ports, the one with the name of the operation is taken.
 
-use asmotion_component::declaration::OperationDeclaration;
+use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Report;
 
@@ -19,12 +19,17 @@ use crate::model::{
 };
 
 /// Completes the port-proxies of a composite; reports operations for which the target has no single port.
-pub(crate) fn complete(composite: &mut Composite, catalogue: &dyn Catalogue, report: &mut Report) {
+pub(crate) fn complete(
+    composite: &mut Composite,
+    catalogue: &dyn Catalogue,
+    declared: &dyn Fn(&Component) -> Option<Declaration>,
+    report: &mut Report,
+) {
     let mut discovered: Vec<(usize, Vec<ProxyEntry>)> = Vec::new();
     for (index, proxy) in composite.components.iter().enumerate() {
         let target = target_of(proxy).and_then(|target| {
             let known = composite.component(target)?;
-            Some((target, ports(known, catalogue)?))
+            Some((target, ports(known, catalogue, declared)?))
         });
         if let Some((target, ports)) = target {
             let discovery = Discovery {
@@ -72,10 +77,18 @@ struct TargetPort {
 
 /// Returns the ports that the target declares and those that the composite lists; `None` if the types of some are not
 /// known.
-fn ports(target: &Component, catalogue: &dyn Catalogue) -> Option<Vec<TargetPort>> {
+fn ports(
+    target: &Component,
+    catalogue: &dyn Catalogue,
+    declared: &dyn Fn(&Component) -> Option<Declaration>,
+) -> Option<Vec<TargetPort>> {
     let mut ports: Vec<TargetPort> = Vec::new();
-    if let Some(Implementation::Rust(name)) = &target.implementation {
-        let declaration = catalogue.declaration(name)?;
+    let declaration = declared(target);
+    let is_of_build = matches!(target.implementation, Some(Implementation::Rust(_)));
+    if is_of_build && declaration.is_none() {
+        return None;
+    }
+    if let Some(declaration) = declaration {
         let inputs = declaration.inputs.into_iter();
         let outputs = declaration.outputs.into_iter();
         let declared = inputs.map(|port| (ProxyMode::Oneway, port));

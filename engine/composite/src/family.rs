@@ -8,6 +8,7 @@ use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use asmotion_component::Declaration;
 use asmotion_diagnostics::{Report, Sources, Span};
 
 use crate::at::At;
@@ -18,6 +19,7 @@ use crate::finding::Findings;
 use crate::model::binding::Bind;
 use crate::model::{Component, Composite, Implementation};
 use crate::pattern;
+use crate::programs::{ExtendedCatalogue, ProgramAnswer, command_of};
 use crate::provider::{NamedInterfaces, ServiceScope};
 use crate::read;
 use crate::signature::Signature;
@@ -38,6 +40,8 @@ pub struct Member {
     pub composite: Composite,
     /// Resolved path by file name as written; names that were not found or would form a cycle are absent.
     paths: BTreeMap<String, String>,
+    /// Declarations of the programs that implement components, by component; those that were not asked are absent.
+    programs: BTreeMap<String, ProgramAnswer>,
 }
 
 impl Family {
@@ -132,6 +136,42 @@ impl Family {
         types
     }
 
+    /// Completes the declarations of programs with types of the catalogue and of type files, and checks them.
+    pub fn complete_programs(&mut self, catalogue: &dyn Catalogue) {
+        if self
+            .members
+            .values()
+            .all(|member| member.programs.is_empty())
+        {
+            return;
+        }
+        // problems of type files are reported with those of all types
+        let types = self.all_types(catalogue, &mut Report::new());
+        let completed = self.members().map(|(path, member)| {
+            let known = |name: &str| types.get(path).and_then(|types| types.schema(name));
+            let complete = |(component, answer): (&String, &ProgramAnswer)| {
+                let answer = answer.clone().and_then(|it| it.complete(&known));
+                (component.clone(), answer)
+            };
+            (
+                path.to_owned(),
+                member.programs.iter().map(complete).collect(),
+            )
+        });
+        let completed: Vec<(String, BTreeMap<String, ProgramAnswer>)> = completed.collect();
+        for (path, programs) in completed {
+            if let Some(member) = self.members.get_mut(&path) {
+                member.programs = programs;
+            }
+        }
+    }
+
+    /// Returns a catalogue extended by the types and interfaces of programs.
+    pub fn extend<'c>(&self, catalogue: &'c dyn Catalogue) -> ExtendedCatalogue<'c> {
+        let programs = self.members.values().flat_map(|it| it.programs.values());
+        ExtendedCatalogue::new(catalogue, programs.filter_map(|it| it.as_ref().ok()))
+    }
+
     /// Iterates over the type files named by a composite.
     pub(crate) fn types<'f>(&'f self, member: &'f Member) -> impl Iterator<Item = &'f TypeFile> {
         let files = member.composite.head.types.iter();
@@ -143,6 +183,40 @@ impl Member {
     /// Returns the resolved path of a file named in this composite.
     pub fn path(&self, file: &str) -> Option<&str> {
         self.paths.get(file).map(String::as_str)
+    }
+
+    /// Returns the declaration of the program that implements a component; `None` if it was not asked.
+    pub fn program(&self, component: &str) -> Option<&ProgramAnswer> {
+        self.programs.get(component)
+    }
+
+    /// Returns the declaration of a component of the executable or of a program; `None` if it is not known.
+    pub fn declaration(
+        &self,
+        component: &Component,
+        catalogue: &dyn Catalogue,
+    ) -> Option<Declaration> {
+        declaration(component, &self.programs, catalogue)
+    }
+}
+
+/// Returns the declaration of a component of the executable or of a program; `None` if it is not known.
+fn declaration(
+    component: &Component,
+    programs: &BTreeMap<String, ProgramAnswer>,
+    catalogue: &dyn Catalogue,
+) -> Option<Declaration> {
+    match component.implementation.as_ref()? {
+        Implementation::Rust(name) => catalogue.declaration(name),
+        Implementation::Process { .. } => {
+            let program = programs.get(&component.name.value)?.as_ref().ok()?;
+            Some(program.declaration.clone())
+        }
+        Implementation::Asm { .. }
+        | Implementation::Composite(_)
+        | Implementation::Builtin { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => None,
     }
 }
 
@@ -203,20 +277,45 @@ impl Visit<'_, '_> {
             }
         }
         self.chain.pop();
-        discovery::complete(&mut composite, self.context.catalogue, self.report);
+        let programs = self.programs(&composite, path);
+        let declared =
+            |component: &Component| declaration(component, &programs, self.context.catalogue);
+        discovery::complete(
+            &mut composite,
+            self.context.catalogue,
+            &declared,
+            self.report,
+        );
         let promoted = |file: &str| {
             let promoted = paths.get(file).and_then(|path| self.promoted.get(path));
             promoted.cloned().unwrap_or_default()
         };
         let services = ServiceScope {
             promoted: &promoted,
-            catalogue: self.context.catalogue,
+            declared: &declared,
         };
         services.resolve(&mut composite, self.report);
         let promoted = services.promoted_by(&composite);
         self.promoted.insert(path.to_owned(), promoted);
-        self.members
-            .insert(path.to_owned(), Member { composite, paths });
+        self.members.insert(
+            path.to_owned(),
+            Member {
+                composite,
+                paths,
+                programs,
+            },
+        );
+    }
+
+    /// Asks the programs of a composite for their declarations.
+    fn programs(&self, composite: &Composite, path: &str) -> BTreeMap<String, ProgramAnswer> {
+        let components = composite.components.iter();
+        let answers = components.filter_map(|component| {
+            let command = command_of(component.implementation.as_ref()?, path)?;
+            let name = &component.name.value;
+            Some((name.clone(), self.context.programs.ask(&command, name)?))
+        });
+        answers.collect()
     }
 
     /// Reads a nested composite; reports a cycle or excessive depth instead.

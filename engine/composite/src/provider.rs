@@ -3,10 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use asmotion_component::Declaration;
 use asmotion_diagnostics::Report;
 
 use crate::at::At;
-use crate::catalogue::Catalogue;
 use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c151::NoSingleProvider;
 use crate::finding::Findings;
@@ -19,7 +19,8 @@ pub(crate) type NamedInterfaces = Vec<(String, String)>;
 pub(crate) struct ServiceScope<'s> {
     /// Returns the services that a nested composite promotes, by its file as written.
     pub promoted: &'s dyn Fn(&str) -> NamedInterfaces,
-    pub catalogue: &'s dyn Catalogue,
+    /// Returns the declaration of a component; `None` if it is not known.
+    pub declared: &'s dyn Fn(&Component) -> Option<Declaration>,
 }
 
 /// A service that a component of the composite provides.
@@ -143,8 +144,8 @@ impl ServiceScope<'_> {
     fn provided<'c>(&self, component: &'c Component) -> Vec<ProvidedService<'c>> {
         let mut services: BTreeMap<String, String> = BTreeMap::new();
         match &component.implementation {
-            Some(Implementation::Rust(name)) => {
-                let declared = self.catalogue.declaration(name);
+            Some(Implementation::Rust(_) | Implementation::Process { .. }) => {
+                let declared = (self.declared)(component);
                 let declared = declared.into_iter().flat_map(|it| it.services);
                 services.extend(declared.map(|it| (it.name, it.interface)));
             }
@@ -152,7 +153,6 @@ impl ServiceScope<'_> {
             Some(
                 Implementation::Asm { .. }
                 | Implementation::Builtin { .. }
-                | Implementation::Process { .. }
                 | Implementation::Ros { .. }
                 | Implementation::Orocos { .. },
             )

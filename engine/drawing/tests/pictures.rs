@@ -45,6 +45,7 @@ fn open(file: &str, specs: &Specs) -> Opened {
         environment: &EmptyEnvironment,
         catalogue: &Tables::EMPTY,
         specifications: &AsmFiles::new(specs),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open(file, &context)

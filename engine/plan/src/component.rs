@@ -3,6 +3,7 @@
 use crate::plan::{Implementation, Lifecycle, Pace, PropertyValues};
 use asmotion_composite::model::PlannedSpecialKeys;
 use asmotion_coordinator::Binding;
+use asmotion_program::ProgramDeclaration;
 
 /// A component of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,9 @@ pub struct Component {
     pub binding: Option<Binding>,
     /// `map` and `notify` compiled for the bridge; `None` for components other than port-proxies.
     pub bridge: Option<asmotion_bridge::ProxySettings>,
+    /// Declaration of the program that implements the component; `None` for other implementations, and if the program was
+    /// not asked.
+    pub program: Option<ProgramDeclaration>,
     /// Keys that only its kind of implementation has.
     pub special: PlannedSpecialKeys,
 }

@@ -54,7 +54,14 @@ impl Opened {
 pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let mut sources = Sources::new();
     let mut report = Report::new();
-    let family = Family::read(path, context, &mut sources, &mut report);
+    let mut family = Family::read(path, context, &mut sources, &mut report);
+    family.complete_programs(context.catalogue);
+    let family = family;
+    let catalogue = family.extend(context.catalogue);
+    let context = &Context {
+        catalogue: &catalogue,
+        ..*context
+    };
     let types = family.all_types(context.catalogue, &mut report);
     let profiles = check::profiles(&family, &mut report);
     let broken = report.has_errors();

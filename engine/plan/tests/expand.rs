@@ -41,6 +41,7 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
         environment: &Variables,
         catalogue: &Tables::EMPTY,
         specifications: &AsmFiles::new(loader),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open(file, &context)

@@ -19,6 +19,7 @@ fn open(files: &MemoryFiles) -> Opened {
         environment: &Variables,
         catalogue: &Tables::EMPTY,
         specifications: &specifications,
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open("main.toml", &context)

@@ -63,6 +63,7 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
         environment: &Variables,
         catalogue: &Tables::EMPTY,
         specifications: &specifications,
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open(file, &context)

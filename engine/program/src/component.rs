@@ -9,12 +9,12 @@ use asmotion_component::{
 };
 use asmotion_datum::Datum;
 
-use self::session::Session;
-use crate::declaration::{Handles, ProgramDeclaration};
+use self::session::ProgramSession;
+use crate::declaration::{ProgramDeclaration, ProgramHandles};
 use crate::error::ProgramError;
 use crate::process::ProgramCommand;
 use crate::reply::{expect, pair, value_of};
-use crate::request::Message;
+use crate::request::ProgramRequest;
 
 /// A component that another program implements.
 ///
@@ -24,9 +24,9 @@ use crate::request::Message;
 pub struct ProgramComponent {
     command: ProgramCommand,
     declaration: ProgramDeclaration,
-    handles: Handles,
+    handles: ProgramHandles,
     /// The running program; `None` before the component is configured, and after an exception.
-    session: Option<Session>,
+    session: Option<ProgramSession>,
     open: actions::OpenExchanges,
     budget: actions::LineBudget,
 }
@@ -48,7 +48,7 @@ impl ProgramComponent {
         }
     }
 
-    fn session(&self) -> Result<&Session, ProgramError> {
+    fn session(&self) -> Result<&ProgramSession, ProgramError> {
         self.session
             .as_ref()
             .ok_or_else(|| ProgramError::protocol("the program does not run"))
@@ -58,7 +58,7 @@ impl ProgramComponent {
     fn run(
         &mut self,
         cycle: &mut Cycle<'_>,
-        request: Message,
+        request: ProgramRequest,
         kind: &'static str,
     ) -> Result<(), ProgramError> {
         let reply = self.session()?.exchange(request, kind);
@@ -77,7 +77,7 @@ impl ProgramComponent {
     /// Sends a request of the life cycle, whose failure has no effect: the component stops anyway.
     fn notify(&self, kind: &'static str) {
         if let Some(session) = &self.session {
-            let _ = session.exchange(Message::of(kind), kind);
+            let _ = session.exchange(ProgramRequest::of(kind), kind);
         }
     }
 }
@@ -86,12 +86,12 @@ impl Component for ProgramComponent {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         self.session = None;
         self.open = actions::OpenExchanges::default();
-        let session = Session::start(&self.command, &self.declaration, setup)?;
+        let session = ProgramSession::start(&self.command, &self.declaration, setup)?;
         let properties = self.configured_properties(setup);
         let types = self.declaration.types().into_iter();
         let types = types.map(|(name, schema)| Ok((name.to_owned(), Datum::of(schema)?)));
         let types = types.collect::<Result<Vec<_>, Fault>>()?;
-        let request = Message::of("configure")
+        let request = ProgramRequest::of("configure")
             .put("properties", Datum::record(properties))
             .put("schemas", Datum::record(types));
         let reply = session.exchange(request, "configure")?;
@@ -101,7 +101,9 @@ impl Component for ProgramComponent {
     }
 
     fn start(&mut self) -> Result<(), Fault> {
-        let reply = self.session()?.exchange(Message::of("start"), "start")?;
+        let reply = self
+            .session()?
+            .exchange(ProgramRequest::of("start"), "start")?;
         Ok(expect(&reply, "ok", "start")?)
     }
 
@@ -119,10 +121,10 @@ impl Component for ProgramComponent {
     }
 
     fn stop(&mut self, cycle: &mut Cycle<'_>) {
-        if self.session.as_ref().is_none_or(Session::is_closed) {
+        if self.session.as_ref().is_none_or(ProgramSession::is_closed) {
             return;
         }
-        let request = Message::of("stop")
+        let request = ProgramRequest::of("stop")
             .put("now", cycle.now().nanos())
             .put("number", actions::number(cycle.number()));
         if let Err(error) = self.run(cycle, request, "stop") {
@@ -143,7 +145,7 @@ impl Component for ProgramComponent {
         let described = || {
             let reply = self
                 .session()?
-                .exchange(Message::of("inspect"), "inspect")?;
+                .exchange(ProgramRequest::of("inspect"), "inspect")?;
             expect(&reply, "inspected", "inspect")?;
             let fields = value_of(&reply, "fields").cloned().unwrap_or_default();
             let Datum::List(fields) = fields else {

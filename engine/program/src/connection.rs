@@ -1,17 +1,17 @@
 //! The connection to a program: one request, one reply, within a time limit.
 
 use std::io::{self, Write};
-use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
 use asmotion_datum::Datum;
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::{PollFd, PollFlags, poll};
 
 use crate::error::ProgramError;
 use crate::frame::{self, FrameBuffer};
 use crate::log::ProgramLog;
 use crate::process::{ProgramProcess, REST};
+use crate::waiting::timespec;
 
 /// Longest wait before the limit is looked at again.
 const NAP: Duration = Duration::from_millis(100);
@@ -23,7 +23,7 @@ const READS: usize = 16;
 const ENDING: Duration = Duration::from_millis(300);
 
 /// A started program and the connection to it.
-pub(crate) struct Connection {
+pub(crate) struct ProgramConnection {
     process: ProgramProcess,
     stream: UnixStream,
     pub log: ProgramLog,
@@ -36,7 +36,7 @@ pub(crate) struct Connection {
     violation: Option<ProgramError>,
 }
 
-impl Connection {
+impl ProgramConnection {
     pub(crate) fn new(process: ProgramProcess, stream: UnixStream, log: ProgramLog) -> Self {
         Self {
             process,
@@ -82,7 +82,7 @@ impl Connection {
         let reply = self
             .send(&frame, until)
             .and_then(|()| self.reply(until))
-            .and_then(|reply| reply.ok_or(Failure::Silent));
+            .and_then(|reply| reply.ok_or(ExchangeFailure::Silent));
         // what the program wrote before its reply
         self.log.read(REST);
         reply.map_err(|failure| self.fail(failure, kind, limit))
@@ -93,40 +93,40 @@ impl Connection {
         let received = self.receive().and_then(|()| self.take_frame());
         let failure = match received {
             Ok(None) => return self.is_closed,
-            Ok(Some(_)) => Failure::Other(unasked()),
+            Ok(Some(_)) => ExchangeFailure::Other(unasked()),
             Err(failure) => failure,
         };
         self.is_closed = true;
-        if let Failure::Other(error) = failure {
+        if let ExchangeFailure::Other(error) = failure {
             self.violation = Some(error);
         }
         true
     }
 
     /// Sends a frame. Receives meanwhile, so that neither side waits for the other to read.
-    fn send(&mut self, mut frame: &[u8], until: Instant) -> Result<(), Failure> {
+    fn send(&mut self, mut frame: &[u8], until: Instant) -> Result<(), ExchangeFailure> {
         self.receive()?;
         if self.take_frame()?.is_some() {
-            return Err(Failure::Other(unasked()));
+            return Err(ExchangeFailure::Other(unasked()));
         }
         while !frame.is_empty() {
             match self.stream.write(frame) {
                 Ok(count) => frame = frame.get(count..).unwrap_or(&[]),
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                     if !self.wait(PollFlags::IN | PollFlags::OUT, until) {
-                        return Err(Failure::Silent);
+                        return Err(ExchangeFailure::Silent);
                     }
                     self.receive()?;
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(_) => return Err(Failure::Ended),
+                Err(_) => return Err(ExchangeFailure::Ended),
             }
         }
         Ok(())
     }
 
     /// Waits for a reply; `None` if there is none in time.
-    fn reply(&mut self, until: Instant) -> Result<Option<Datum>, Failure> {
+    fn reply(&mut self, until: Instant) -> Result<Option<Datum>, ExchangeFailure> {
         loop {
             if let Some(reply) = self.take_frame()? {
                 return Ok(Some(reply));
@@ -154,27 +154,27 @@ impl Connection {
     }
 
     /// Receives what has arrived at the socket.
-    fn receive(&mut self) -> Result<(), Failure> {
+    fn receive(&mut self) -> Result<(), ExchangeFailure> {
         for _ in 0..READS {
             if self.received.is_full() {
                 break;
             }
             match self.received.read(&self.stream) {
-                Ok(0) => return Err(Failure::Ended),
+                Ok(0) => return Err(ExchangeFailure::Ended),
                 Ok(_) => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(_) => return Err(Failure::Ended),
+                Err(_) => return Err(ExchangeFailure::Ended),
             }
         }
         Ok(())
     }
 
     /// Takes the first message that is not `wake`.
-    fn take_frame(&mut self) -> Result<Option<Datum>, Failure> {
-        while let Some(bytes) = self.received.next().map_err(Failure::Other)? {
+    fn take_frame(&mut self) -> Result<Option<Datum>, ExchangeFailure> {
+        while let Some(bytes) = self.received.next().map_err(ExchangeFailure::Other)? {
             let message = frame::decode(&bytes).map_err(|error| {
-                Failure::Other(ProgramError::Protocol(format!(
+                ExchangeFailure::Other(ProgramError::Protocol(format!(
                     "a frame is not an item of CBOR: {error}"
                 )))
             })?;
@@ -190,10 +190,15 @@ impl Connection {
     }
 
     /// Ends the program after a failure.
-    fn fail(&mut self, failure: Failure, request: &'static str, limit: Duration) -> ProgramError {
+    fn fail(
+        &mut self,
+        failure: ExchangeFailure,
+        request: &'static str,
+        limit: Duration,
+    ) -> ProgramError {
         match failure {
-            Failure::Ended => self.ended(),
-            Failure::Silent => {
+            ExchangeFailure::Ended => self.ended(),
+            ExchangeFailure::Silent => {
                 self.close();
                 ProgramError::Silent {
                     request,
@@ -201,7 +206,7 @@ impl Connection {
                     last_lines: self.log.last_lines(),
                 }
             }
-            Failure::Other(error) => {
+            ExchangeFailure::Other(error) => {
                 self.close();
                 error
             }
@@ -239,7 +244,7 @@ impl Connection {
 }
 
 /// The failure of an exchange.
-enum Failure {
+enum ExchangeFailure {
     Ended,
     Silent,
     Other(ProgramError),
@@ -247,18 +252,4 @@ enum Failure {
 
 fn unasked() -> ProgramError {
     ProgramError::protocol("a message was sent before a request; only `wake` may be sent unasked")
-}
-
-/// Waits until there is something to read, or for this time.
-pub(crate) fn wait_readable(end: impl AsFd, limit: Duration) {
-    let mut ends = [PollFd::new(&end, PollFlags::IN)];
-    // an interrupted wait is a short one
-    let _ = poll(&mut ends, Some(&timespec(limit)));
-}
-
-fn timespec(limit: Duration) -> Timespec {
-    Timespec {
-        tv_sec: i64::try_from(limit.as_secs()).unwrap_or(i64::MAX),
-        tv_nsec: limit.subsec_nanos().into(),
-    }
 }

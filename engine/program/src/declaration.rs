@@ -8,11 +8,11 @@ use asmotion_component::declaration::{Declaration, OperationDeclaration, Propert
 use asmotion_component::{In, Interface, Out, Property, Provided, Required};
 use asmotion_datum::{Datum, DatumError, Schema, Shape};
 
-use crate::connection::Connection;
+use crate::connection::ProgramConnection;
 use crate::error::ProgramError;
 use crate::process::{self, ProgramCommand};
 use crate::reply::{expect, text_of};
-use crate::request::Message;
+use crate::request::ProgramRequest;
 
 /// Version of the protocol.
 const PROTOCOL: i64 = 1;
@@ -31,8 +31,8 @@ pub struct ProgramDeclaration {
     declared: Declaration,
 }
 
-/// Handles of a declared component.
-pub(crate) struct Handles {
+/// ProgramHandles of a declared component.
+pub(crate) struct ProgramHandles {
     pub inputs: Vec<(String, In<Datum>)>,
     pub outputs: BTreeMap<String, (Out<Datum>, Schema)>,
     pub services: Vec<DeclaredOperation<Provided<Dynamic>>>,
@@ -53,14 +53,14 @@ pub(crate) struct DeclaredOperation<H> {
 /// # Errors
 /// The program cannot be started, ends, does not answer in time, or violates the protocol.
 pub fn ask(command: &ProgramCommand, component: &str) -> Result<ProgramDeclaration, ProgramError> {
-    let (mut connection, declaration) = connect(command, component, Clock::Virtual)?;
+    let (mut connection, declaration) = connect(command, component, ProgramClock::Virtual)?;
     connection.end();
     Ok(declaration)
 }
 
 /// The clock of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Clock {
+pub(crate) enum ProgramClock {
     Virtual,
     Wall,
 }
@@ -69,16 +69,16 @@ pub(crate) enum Clock {
 pub(crate) fn connect(
     command: &ProgramCommand,
     component: &str,
-    clock: Clock,
-) -> Result<(Connection, ProgramDeclaration), ProgramError> {
+    clock: ProgramClock,
+) -> Result<(ProgramConnection, ProgramDeclaration), ProgramError> {
     let until = Instant::now() + command.start_timeout;
     let (process, stream, log) = process::start(command, component)?;
-    let mut connection = Connection::new(process, stream, log);
+    let mut connection = ProgramConnection::new(process, stream, log);
     let clock = match clock {
-        Clock::Virtual => "virtual",
-        Clock::Wall => "wall",
+        ProgramClock::Virtual => "virtual",
+        ProgramClock::Wall => "wall",
     };
-    let hello = Message::of("hello")
+    let hello = ProgramRequest::of("hello")
         .put("protocol", PROTOCOL)
         .put("component", component)
         .put("clock", clock);
@@ -123,7 +123,7 @@ impl ProgramDeclaration {
     ) -> Result<Self, ProgramError> {
         let declaration = &mut self.declaration;
         for schema in schemas_mut(declaration) {
-            fill(schema, known);
+            fill(schema, known)?;
             check_size(schema)?;
         }
         for port in &mut declaration.outputs {
@@ -146,7 +146,7 @@ impl ProgramDeclaration {
     }
 
     /// Declares ports, services, references and properties.
-    pub(crate) fn declare(&self, interface: &mut Interface) -> Handles {
+    pub(crate) fn declare(&self, interface: &mut Interface) -> ProgramHandles {
         let declaration = &self.declaration;
         let inputs = declaration.inputs.iter().map(|port| {
             let handle = interface.input_of(&port.name, port.schema.clone(), &port.doc);
@@ -197,7 +197,7 @@ impl ProgramDeclaration {
             let handle = interface.property_of(property.clone());
             (property.name.clone(), handle)
         });
-        Handles {
+        ProgramHandles {
             inputs,
             outputs,
             services,
@@ -207,26 +207,33 @@ impl ProgramDeclaration {
     }
 
     /// The schemas of all named types of ports, operations and properties, by name.
-    pub(crate) fn types(&self) -> BTreeMap<&str, &Schema> {
+    pub fn types(&self) -> BTreeMap<&str, &Schema> {
         let named = schemas(&self.declaration).filter(|it| !it.name.is_empty());
         named.map(|schema| (&*schema.name, schema)).collect()
     }
 }
 
-/// Fills in the fields of types that are given by name alone, at any depth.
-fn fill(schema: &mut Schema, known: &dyn Fn(&str) -> Option<Schema>) {
-    match &mut schema.shape {
-        Shape::Any if !schema.name.is_empty() => {
-            if let Some(known) = known(&schema.name) {
+/// Fills in the fields of types that are given by name alone, at any depth, and compares the others with the known type of
+/// their name.
+fn fill(schema: &mut Schema, known: &dyn Fn(&str) -> Option<Schema>) -> Result<(), ProgramError> {
+    if !schema.name.is_empty()
+        && let Some(known) = known(&schema.name)
+    {
+        return match schema.compare(&known) {
+            Ok(()) => {
                 *schema = known;
+                Ok(())
             }
-        }
+            Err(difference) => Err(ProgramError::Protocol(format!(
+                "the type `{schema}` differs from the known one of this name: {difference}"
+            ))),
+        };
+    }
+    match &mut schema.shape {
         Shape::Option(part) | Shape::List(part) | Shape::Array(part, _) => fill(part, known),
-        Shape::Record(fields) => {
-            for field in fields {
-                fill(&mut field.schema, known);
-            }
-        }
+        Shape::Record(fields) => fields
+            .iter_mut()
+            .try_for_each(|field| fill(&mut field.schema, known)),
         Shape::Any
         | Shape::Bool
         | Shape::I8
@@ -239,7 +246,7 @@ fn fill(schema: &mut Schema, known: &dyn Fn(&str) -> Option<Schema>) {
         | Shape::U64
         | Shape::F32
         | Shape::F64
-        | Shape::Text => {}
+        | Shape::Text => Ok(()),
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// The reason that a program is not started, or that its component fails. The text begins with a code, except for faults
 /// that the program reports itself without one.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ProgramError {
     /// The operating system does not start the command.
     #[error("PROGRAM_NOT_STARTED: `{command}` cannot be started: {reason}")]
@@ -61,6 +61,28 @@ pub enum ProgramError {
 }
 
 impl ProgramError {
+    /// The last lines that the program printed, if that helps.
+    pub fn last_lines(&self) -> &[String] {
+        match self {
+            Self::NotConnected { last_lines, .. }
+            | Self::Silent { last_lines, .. }
+            | Self::Ended { last_lines, .. } => last_lines,
+            Self::NotStarted { .. } | Self::Protocol(_) | Self::Fault { .. } => &[],
+        }
+    }
+
+    /// The same error without the last lines.
+    #[must_use]
+    pub fn without_lines(mut self) -> Self {
+        match &mut self {
+            Self::NotConnected { last_lines, .. }
+            | Self::Silent { last_lines, .. }
+            | Self::Ended { last_lines, .. } => last_lines.clear(),
+            Self::NotStarted { .. } | Self::Protocol(_) | Self::Fault { .. } => {}
+        }
+        self
+    }
+
     /// The same error with another time limit, if it has one.
     pub(crate) fn with_limit(mut self, of_all: Duration) -> Self {
         if let Self::Silent { limit, .. } = &mut self {

@@ -16,6 +16,7 @@ mod parent_death;
 mod process;
 mod reply;
 mod request;
+mod waiting;
 mod watcher;
 
 pub use component::ProgramComponent;

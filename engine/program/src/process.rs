@@ -4,17 +4,17 @@ use std::io::{self, PipeReader};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use rustix::io::ioctl_fionbio;
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use crate::connection::wait_readable;
 use crate::error::ProgramError;
 use crate::log::ProgramLog;
 use crate::parent_death::kill_with_parent;
+use crate::waiting::wait_readable;
 
 /// Longest sleep between two looks at a process.
 const LOOK: Duration = Duration::from_millis(10);
@@ -31,7 +31,7 @@ pub struct ProgramCommand {
     /// The command: the executable and its arguments. A relative executable with a slash is in `directory`, one without a
     /// slash is searched for in `PATH`.
     pub words: Vec<String>,
-    /// Absolute path of the working directory.
+    /// Path of the working directory.
     pub directory: PathBuf,
     /// Limit on the time from the start to the declaration.
     pub start_timeout: Duration,
@@ -47,15 +47,18 @@ impl ProgramCommand {
 
     fn command(&self) -> Command {
         let executable = self.words.first().map_or("", String::as_str);
+        // a relative path would be looked up in the new directory
+        let directory = std::path::absolute(Path::new(".").join(&self.directory));
+        let directory = directory.unwrap_or_else(|_| self.directory.clone());
         let executable = if executable.contains('/') {
-            self.directory.join(executable)
+            directory.join(executable)
         } else {
             executable.into()
         };
         let mut command = Command::new(executable);
         command
             .args(self.words.iter().skip(1))
-            .current_dir(&self.directory)
+            .current_dir(directory)
             .stdin(Stdio::null())
             // Ctrl-C must not reach the program, which is stopped with its component
             .process_group(0);
@@ -134,10 +137,13 @@ pub(crate) fn start(
 }
 
 fn not_started(command: &ProgramCommand, error: &io::Error) -> ProgramError {
-    let is_missing = !command.directory.is_dir();
+    let directory = &command.directory;
+    let is_missing = !directory.as_os_str().is_empty() && !directory.is_dir();
     ProgramError::NotStarted {
         command: command.words.first().cloned().unwrap_or_default(),
-        reason: if is_missing {
+        reason: if command.words.is_empty() {
+            "the command is empty".to_owned()
+        } else if is_missing {
             format!(
                 "the directory `{}` does not exist",
                 command.directory.display()

@@ -2,11 +2,11 @@
 
 use asmotion_datum::{Datum, FieldName};
 
-/// A message in the making: a record with the key `type`.
-pub(crate) struct Message(Vec<(FieldName, Datum)>);
+/// A request in the making: a record with the key `type`.
+pub(crate) struct ProgramRequest(Vec<(FieldName, Datum)>);
 
-impl Message {
-    /// A message of this type.
+impl ProgramRequest {
+    /// A request of this type.
     pub(crate) fn of(kind: &'static str) -> Self {
         Self(Vec::new()).put("type", kind)
     }
@@ -25,7 +25,7 @@ impl Message {
         self.put(key, value)
     }
 
-    /// The message as data.
+    /// The request as data.
     pub(crate) fn datum(self) -> Datum {
         Datum::Record(self.0)
     }

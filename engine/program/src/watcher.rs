@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crate::connection::{Connection, wait_readable};
+use crate::connection::ProgramConnection;
+use crate::waiting::wait_readable;
 
 /// Longest wait before the thread looks whether it is to end. Usually it is woken by the end of the connection.
 const NAP: Duration = Duration::from_millis(500);
@@ -17,25 +18,25 @@ const PAUSE: Duration = Duration::from_millis(1);
 const CHUNKS: usize = 1;
 
 /// Requests a cycle of the component.
-pub(crate) type Waker = Arc<dyn Fn() + Send + Sync>;
+pub(crate) type CycleWaker = Arc<dyn Fn() + Send + Sync>;
 
 /// A connection that the component's thread and its watcher share. The component locks it for an exchange.
-pub(crate) type SharedConnection = Arc<Mutex<Connection>>;
+pub(crate) type SharedConnection = Arc<Mutex<ProgramConnection>>;
 
 /// Locks a connection; it is consistent even if a thread panicked while it held the lock.
-pub(crate) fn lock(connection: &Mutex<Connection>) -> MutexGuard<'_, Connection> {
+pub(crate) fn lock(connection: &Mutex<ProgramConnection>) -> MutexGuard<'_, ProgramConnection> {
     connection.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The thread that watches a connection.
-pub(crate) struct Watcher {
+pub(crate) struct ProgramWatcher {
     is_to_end: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Watcher {
+impl ProgramWatcher {
     /// Starts to watch. Without a thread, `wake` takes effect at the next exchange only.
-    pub(crate) fn start(connection: &SharedConnection, waker: Waker) -> Self {
+    pub(crate) fn start(connection: &SharedConnection, waker: CycleWaker) -> Self {
         let is_to_end = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&is_to_end);
         let stream = lock(connection).stream().try_clone();

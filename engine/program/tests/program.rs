@@ -21,13 +21,21 @@ use asmotion_runtime::{Log, Run, System};
 
 /// The command of a test program.
 fn command(words: &[&str]) -> ProgramCommand {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/programs");
+    let is_example = words
+        .first()
+        .is_some_and(|word| word.contains("gripper.py"));
+    let directory = if is_example {
+        "../../examples/gripper"
+    } else {
+        "tests/programs"
+    };
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join(directory);
     let words = ["python3"].iter().chain(words);
     ProgramCommand {
         words: words.map(|word| (*word).to_owned()).collect(),
         directory,
         start_timeout: Duration::from_secs(10),
-        timeout: Duration::from_millis(500),
+        timeout: Duration::from_millis(1500),
     }
 }
 
@@ -149,13 +157,32 @@ fn every(milliseconds: u64) -> Activity {
 
 /// A gripper that an operator commands, and that asks a guard.
 fn gripper(refuses: bool) -> System {
+    operated(&command(&["gripper.py"]), refuses)
+}
+
+/// The gripper in Python with the package `asmotion`.
+fn packaged(arguments: &[&str], refuses: bool) -> System {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../python");
+    let package = format!("PYTHONPATH={}", package.display());
+    let words = [
+        "env",
+        &package,
+        "PYTHONDONTWRITEBYTECODE=1",
+        "python3",
+        "packaged.py",
+    ];
+    let words = words.iter().chain(arguments);
+    let command = ProgramCommand {
+        words: words.map(|word| (*word).to_owned()).collect(),
+        timeout: Duration::from_secs(5),
+        ..command(&[])
+    };
+    operated(&command, refuses)
+}
+
+fn operated(gripper: &ProgramCommand, refuses: bool) -> System {
     let mut system = System::new();
-    add(
-        &mut system,
-        "Gripper",
-        &command(&["gripper.py"]),
-        every(100),
-    );
+    add(&mut system, "Gripper", gripper, every(100));
     let operator =
         |interface: &mut Interface| Box::new(Operator::new(interface)) as Box<dyn Component>;
     system.add("Operator", every(100), operator).unwrap();
@@ -200,6 +227,44 @@ fn two_runs_in_virtual_time_are_equal() {
     let first = run();
     assert!(first.lines().count() > 60);
     assert_eq!(first, run());
+}
+
+#[test]
+fn the_python_package_behaves_as_a_program_written_from_the_page() {
+    for refuses in [false, true] {
+        let time = Duration::from_millis(1900);
+        let expected = trace(gripper(refuses), time);
+        assert_eq!(trace(packaged(&[], refuses), time), expected);
+        assert_eq!(trace(packaged(&["waiting"], refuses), time), expected);
+    }
+}
+
+#[test]
+fn a_component_of_the_python_package_continues_in_another_process() {
+    let log = Log::new();
+    let mut first = packaged(&[], false);
+    first.observe(log.clone());
+    let mut first = first.simulate();
+    // a call is under way, and a reply is due
+    first.run_for(Duration::from_millis(550));
+    let frozen = first.freeze().expect("a frozen state");
+    let before = log.lines().len();
+    first.run_for(Duration::from_millis(900));
+    let other = Log::new();
+    let mut second = packaged(&[], false);
+    second.observe(other.clone());
+    let mut second = second.simulate();
+    second.thaw(&frozen).expect("a thawed system");
+    let thawed = other.lines().len();
+    second.run_for(Duration::from_millis(900));
+    assert_eq!(log.lines()[before..], other.lines()[thawed..]);
+    let mut coroutine = packaged(&["waiting"], false).simulate();
+    coroutine.run_for(Duration::from_millis(550));
+    let refused = coroutine
+        .freeze()
+        .expect_err("a coroutine is under way")
+        .to_string();
+    assert!(refused.contains("a coroutine is under way"), "{refused}");
 }
 
 #[test]
@@ -260,7 +325,7 @@ fn a_frozen_program_continues_in_another_process() {
 /// Asks a bad program for its declaration.
 fn refusal(how: &str) -> String {
     let mut command = command(&["bad.py", how]);
-    command.start_timeout = Duration::from_millis(700);
+    command.start_timeout = Duration::from_millis(2500);
     let error = declaration(&command).expect_err("no declaration");
     error.to_string()
 }
@@ -282,7 +347,7 @@ fn a_program_that_cannot_be_asked_says_why() {
     ] {
         text += &format!("{how}: {}\n", refusal(how));
     }
-    for words in [&["no-such-program"][..], &["./gripper.py"], &[]] {
+    for words in [&["no-such-program"][..], &["./bad.py"], &[]] {
         let command = ProgramCommand {
             words: words.iter().map(|word| (*word).to_owned()).collect(),
             ..command(&[])
@@ -313,12 +378,14 @@ fn failure(how: &str) -> String {
 
 #[test]
 fn a_failing_program_is_reported_isolated_and_reset() {
-    let mut text = String::new();
-    for how in [
+    let all = [
         "dies", "killed", "late", "hangs", "huge", "type", "port", "field", "reply", "faults",
-    ] {
-        text += &format!("{how}\n{}\n\n", failure(how));
-    }
+    ];
+    let failures = std::thread::scope(|scope| {
+        let failures = all.map(|how| scope.spawn(move || format!("{how}\n{}\n", failure(how))));
+        failures.map(|it| it.join().unwrap())
+    });
+    let text = failures.join("\n");
     insta::assert_snapshot!(text);
 }
 

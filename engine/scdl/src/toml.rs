@@ -523,11 +523,8 @@ fn implementation_item(implementation: &ScdlImplementation) -> Item {
         ScdlImplementation::Composite(composite) => one("composite", name::file(composite)),
         ScdlImplementation::Asm(file) => one("asm", file.value.clone()),
         ScdlImplementation::Python(script) => {
-            let arguments = value::list([script.value.as_str().into()]);
-            inline([
-                ("process".to_owned(), "python3".into()),
-                ("arguments".to_owned(), arguments),
-            ])
+            let words = ["python3".into(), script.value.as_str().into()];
+            inline([("process".to_owned(), value::list(words))])
         }
     }
 }

@@ -67,6 +67,7 @@ fn open(text: &str) -> Opened {
         environment: &EmptyEnvironment,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(&files),
+        programs: &asmotion_composite::NoPrograms,
         settings: &[],
     };
     asmotion_plan::open("fuzz.toml", &context)

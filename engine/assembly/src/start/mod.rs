@@ -3,6 +3,7 @@
 mod activity;
 mod coordinator;
 mod policy;
+mod program;
 mod queue;
 mod sending;
 mod workshop;

@@ -5,7 +5,7 @@ use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface};
 use asmotion_diagnostics::Loader;
 
-use super::{coordinator, of_build};
+use super::{coordinator, of_build, program};
 use asmotion_composite::Catalogue;
 use asmotion_plan::{Implementation, Plan};
 
@@ -62,9 +62,7 @@ impl Workshop for Standard<'_> {
             }
             Implementation::Builtin { name, .. } => (self.builtins)(component, plan)
                 .ok_or(format!("the built-in `{name}` is not in this build")),
-            Implementation::Process { .. } => {
-                Err("other programs cannot be started yet".to_owned())
-            }
+            Implementation::Process { .. } => program::make(component),
             Implementation::Ros { .. } => Err("ROS nodes cannot be started yet".to_owned()),
             Implementation::Orocos { .. } => {
                 Err("Orocos components cannot be connected yet".to_owned())

@@ -10,9 +10,11 @@ use crate::codes::c035::MasterCycle;
 use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
 use crate::codes::c128::VerificationNotSupported;
+use crate::codes::c153::ProgramWithoutDeclaration;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
+use asmotion_component::Declaration;
 use asmotion_diagnostics::{Report, Span};
 
 use super::declared::declared;
@@ -23,6 +25,7 @@ use crate::at::At;
 use crate::finding::Findings;
 use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
+use crate::programs::command_of;
 use asmotion_datum::Word;
 
 /// Returns the active components with their ports, services and properties.
@@ -192,31 +195,25 @@ fn face(
                 ..Endpoints::default()
             },
         },
-        Implementation::Rust(name) => {
-            let face = listed(component, report);
-            match scene.catalogue.declaration(name) {
-                Some(declaration) => {
-                    let face = declared(scene, face, name, &declaration, report);
-                    properties(component, &face, name.span, report);
-                    operations(scene, component, name, &face, report);
-                    face
-                }
-                None => {
-                    absent(scene, name, report);
-                    face
-                }
+        Implementation::Rust(name) => match scene.catalogue.declaration(name) {
+            Some(declaration) => known(scene, component, name, &declaration, report),
+            None => {
+                let face = listed(component, report);
+                absent(scene, name, report);
+                face
             }
-        }
+        },
         Implementation::Builtin { name, .. } => {
             builtin(scene, name, implementation.builtin(), report);
             let face = listed(component, report);
             operations(scene, component, name, &face, report);
             face
         }
-        Implementation::Process { command, arguments } => {
-            outside("program", command, report);
-            unsupported("arguments", arguments.first(), report);
-            listed(component, report)
+        Implementation::Process { command, .. } => {
+            let words = command.iter().map(|word| word.value.as_str());
+            let words = words.collect::<Vec<_>>().join(" ");
+            let at = command.first().map_or(component.name.span, |it| it.span);
+            program(scene, component, &At::new(words, at), report)
         }
         Implementation::Ros {
             package,
@@ -241,6 +238,63 @@ fn face(
         }
     }
 }
+
+/// Returns the ports, services and properties of a component whose declaration is known.
+fn known(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    implementation: &At<String>,
+    declaration: &Declaration,
+    report: &mut Report,
+) -> Endpoints {
+    let face = listed(component, report);
+    let face = declared(scene, face, implementation, declaration, report);
+    properties(component, &face, implementation.span, report);
+    operations(scene, component, implementation, &face, report);
+    face
+}
+
+/// Returns the ports, services and properties of a component that a program implements.
+fn program(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    command: &At<String>,
+    report: &mut Report,
+) -> Endpoints {
+    match scene.member.program(&component.name.value) {
+        Some(Ok(program)) => known(scene, component, command, &program.declaration, report),
+        Some(Err(reason)) => {
+            let directory = component.implementation.as_ref();
+            let directory = directory.and_then(|it| command_of(it, scene.path));
+            let directory = directory.map(|it| it.directory.display().to_string());
+            report.found(ProgramWithoutDeclaration {
+                command: command.value.clone(),
+                at: command.span,
+                directory: directory
+                    .filter(|it| !it.is_empty())
+                    .unwrap_or(".".to_owned()),
+                reason: reason.clone(),
+            });
+            Endpoints {
+                blank: true,
+                ..listed(component, report)
+            }
+        }
+        None => {
+            report.found(ImplementationNotInBuild {
+                what: "program",
+                name: command.value.clone(),
+                at: command.span,
+                instead: Some(NOT_ASKED),
+            });
+            listed(component, report)
+        }
+    }
+}
+
+/// Way out where a program was not asked for its declaration.
+const NOT_ASKED: &str =
+    "`asmotion check` without `--no-programs` starts it and asks for its ports and services";
 
 /// Way out where an implementation is a program that this version does not start.
 const OUTSIDE: &str = "start the program yourself; it takes part over the broker (docs/wire.md)";

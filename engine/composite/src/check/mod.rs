@@ -103,6 +103,7 @@ impl<'c> Checker<'c> {
         }
         let mut scene = CheckedComposite {
             family: self.family,
+            path,
             member,
             composite: &member.composite,
             profile: self.profile,

@@ -25,6 +25,8 @@ use crate::types::Types;
 /// A composite being checked in one profile.
 pub(crate) struct CheckedComposite<'s> {
     pub family: &'s Family,
+    /// Path of the file.
+    pub path: &'s str,
     pub member: &'s Member,
     pub composite: &'s Composite,
     pub profile: Option<&'s str>,

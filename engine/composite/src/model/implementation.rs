@@ -45,14 +45,21 @@ pub enum Implementation {
         #[key(range = 0..=65_535)]
         port: Option<At<u64>>,
     },
-    /// External program.
+    /// Program of its own, in any language.
     Process {
-        /// Command of an external program.
-        #[key(name = "process", example = "\"./driver\"")]
-        command: At<String>,
-        /// Command-line arguments.
-        #[key(example = "[\"--verbose\"]")]
-        arguments: Vec<At<String>>,
+        /// Command of a program: the executable and its arguments. An executable without a slash is searched for in
+        /// `PATH`.
+        #[key(name = "process", example = "[\"python3\", \"gripper.py\"]", one)]
+        command: Vec<At<String>>,
+        /// Working directory of the program, relative to the directory of the composite, which is the default.
+        #[key(example = "\"gripper\"")]
+        directory: Option<At<String>>,
+        /// Longest time from the start of the program to its declaration.
+        #[key(unit = "seconds", range = 0.1..=600.0, default = Implementation::START_TIMEOUT_S)]
+        start_timeout_s: Option<At<f64>>,
+        /// Longest real time in which the program answers a request; afterwards it is killed.
+        #[key(unit = "seconds", range = 0.001..=600.0, default = Implementation::TIMEOUT_S)]
+        timeout_s: Option<At<f64>>,
     },
     /// ROS node.
     Ros {
@@ -75,13 +82,20 @@ pub enum Implementation {
 }
 
 impl Implementation {
+    /// Default of `start_timeout_s` in seconds.
+    pub(crate) const START_TIMEOUT_S: f64 = 10.0;
+    /// Default of `timeout_s` in seconds.
+    pub(crate) const TIMEOUT_S: f64 = 2.0;
+
     /// Returns the source location.
     pub fn span(&self) -> Span {
         match self {
             Self::Rust(name) | Self::Composite(name) => name.span,
             Self::Asm { file, .. } => file.span,
             Self::Builtin { name, .. } => name.span,
-            Self::Process { command, .. } => command.span,
+            Self::Process { command, .. } => {
+                command.first().map_or_else(Span::default, |word| word.span)
+            }
             Self::Ros { package, .. } => package.span,
             Self::Orocos { component, .. } => component.span,
         }
@@ -104,23 +118,23 @@ impl Implementation {
 impl PlannedImplementation {
     /// Returns the name, file or command, and the words that follow it on a command line.
     pub fn words(&self) -> Vec<&str> {
-        let (first, rest) = match self {
-            Self::Rust(name) | Self::Builtin { name, .. } => (name, [].as_slice()),
-            Self::Asm { file, .. } => (file, [].as_slice()),
-            Self::Process { command, arguments } => (command, arguments.as_slice()),
+        match self {
+            Self::Rust(name) | Self::Builtin { name, .. } => vec![name],
+            Self::Asm { file, .. } => vec![file],
+            Self::Process { command, .. } => command.iter().map(String::as_str).collect(),
             Self::Ros {
                 package,
                 executable,
-            } => (package, executable.as_slice()),
+            } => std::iter::once(package.as_str())
+                .chain(executable.as_deref())
+                .collect(),
             Self::Orocos {
                 component,
                 name_service,
-            } => (component, name_service.as_slice()),
-        };
-        std::iter::once(first)
-            .chain(rest)
-            .map(String::as_str)
-            .collect()
+            } => std::iter::once(component.as_str())
+                .chain(name_service.as_deref())
+                .collect(),
+        }
     }
 }
 

@@ -32,6 +32,10 @@ fn implementation(component: &Component, root: &str) -> Implementation {
     if let Implementation::Asm { file, .. } = &mut implementation {
         *file = beside(root, file);
     }
+    if let Implementation::Process { directory, .. } = &mut implementation {
+        let written = directory.as_deref().map(|it| beside(root, it));
+        *directory = written.filter(|it| !matches!(&**it, "" | "."));
+    }
     implementation
 }
 
@@ -67,7 +71,7 @@ fn ports(component: &Component, plan: &Plan, keys: &mut Lines) {
     let declares = matches!(
         component.implementation,
         Implementation::Rust(_) | Implementation::Builtin { .. }
-    );
+    ) || component.program.is_some();
     let joined = |port: &Port| {
         let end = format!("{}.{}", component.name, port.name);
         let is_end = |terminal: &Terminal| terminal.to_string() == end;

@@ -207,6 +207,7 @@ impl<'p> Flattener<'p, '_> {
         let bind = self.parts.family.bind(member, component);
         let source = component::PartSource {
             member,
+            path: instance.path,
             component,
             bind: &bind,
             face,

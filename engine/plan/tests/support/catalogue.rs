@@ -160,6 +160,10 @@ impl Catalogue for SmallBuild {
         })
     }
 
+    fn interfaces(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
         let operation = |name: &str, request, response| {
             let (request, response) = (self.schema(request)?, self.schema(response)?);

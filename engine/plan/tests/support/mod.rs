@@ -7,12 +7,26 @@ pub mod render;
 pub mod specification;
 pub mod variables;
 
-use asmotion_composite::Context;
+use asmotion_composite::{Context, ProgramAnswer, Programs};
 use asmotion_plan::Opened;
+use asmotion_program::{ProgramCommand, ProgramError};
 
 pub use catalogue::SmallBuild;
 pub use files::Files;
 pub use variables::Variables;
+
+/// Knows that there is no program `missing`, and asks no other one.
+struct MissingProgram;
+
+impl Programs for MissingProgram {
+    fn ask(&self, command: &ProgramCommand, _: &str) -> Option<ProgramAnswer> {
+        let command = command.words.first().filter(|word| *word == "missing")?;
+        Some(Err(ProgramError::NotStarted {
+            command: command.clone(),
+            reason: "file not found".to_owned(),
+        }))
+    }
+}
 
 /// Opens a composite of a folder with the test context.
 pub fn open(folder: &str, file: &str) -> Opened {
@@ -27,6 +41,7 @@ pub fn context(files: &Files) -> Context<'_> {
         environment: &Variables,
         catalogue: &SmallBuild,
         specifications: files,
+        programs: &MissingProgram,
         settings: &[],
     }
 }

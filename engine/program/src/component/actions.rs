@@ -12,7 +12,7 @@ use asmotion_datum::Datum;
 use super::ProgramComponent;
 use crate::error::ProgramError;
 use crate::reply::{count_of, fault, fitting, list_of, pair, text_of, value_of};
-use crate::request::Message;
+use crate::request::ProgramRequest;
 
 /// Requests and calls that have begun and not ended, and the state of the inputs that the program knows.
 #[derive(Debug, Default)]
@@ -101,7 +101,11 @@ impl ProgramComponent {
     }
 
     /// The request of a cycle.
-    pub(super) fn cycle_request(&mut self, cycle: &mut Cycle<'_>, kind: &'static str) -> Message {
+    pub(super) fn cycle_request(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        kind: &'static str,
+    ) -> ProgramRequest {
         let mut inputs = Vec::new();
         let mut stale = Vec::new();
         let mut lost = Vec::new();
@@ -144,15 +148,15 @@ impl ProgramComponent {
     }
 
     /// The request that a stopped component answers.
-    pub(super) fn serve_request(&mut self, cycle: &mut Cycle<'_>) -> Message {
+    pub(super) fn serve_request(&mut self, cycle: &mut Cycle<'_>) -> ProgramRequest {
         self.timed(cycle, "serve")
     }
 
     /// The keys of all requests with requests of services.
-    fn timed(&mut self, cycle: &mut Cycle<'_>, kind: &'static str) -> Message {
+    fn timed(&mut self, cycle: &mut Cycle<'_>, kind: &'static str) -> ProgramRequest {
         let cancelled = self.cancelled(cycle);
         let requests = self.new_requests(cycle);
-        Message::of(kind)
+        ProgramRequest::of(kind)
             .put("now", cycle.now().nanos())
             .put("number", number(cycle.number()))
             .put_some("requests", Datum::List(requests))

@@ -10,7 +10,7 @@ use super::ProgramComponent;
 use super::actions::{LineBudget, OpenCall, OpenExchanges, OpenRequest};
 use crate::error::ProgramError;
 use crate::reply::{expect, is, value_of};
-use crate::request::Message;
+use crate::request::ProgramRequest;
 
 /// Version of the layout.
 const VERSION: u32 = 1;
@@ -40,10 +40,11 @@ impl ProgramComponent {
         };
         let refused = |error: ProgramError| cannot(FreezeProblem::Refused(error.to_string()));
         let session = self.session().map_err(refused)?;
-        let reply = session.exchange(Message::of("freeze"), "freeze");
+        let reply = session.exchange(ProgramRequest::of("freeze"), "freeze");
         let reply = reply.map_err(refused)?;
         if is(&reply, "unsupported") {
-            let reason = "the program does not support it".to_owned();
+            let reason = crate::reply::text_of(&reply, "text");
+            let reason = reason.unwrap_or_else(|| "the program does not support it".to_owned());
             return Err(cannot(FreezeProblem::Refused(reason)));
         }
         expect(&reply, "frozen", "freeze").map_err(refused)?;
@@ -71,7 +72,7 @@ impl ProgramComponent {
         };
         let foreign = |reason: ProgramError| error(ThawProblem::Foreign(reason.to_string()));
         let session = self.session().map_err(foreign)?;
-        let request = Message::of("thaw").put("state", frozen.state);
+        let request = ProgramRequest::of("thaw").put("state", frozen.state);
         let reply = session.exchange(request, "thaw").map_err(foreign)?;
         if is(&reply, "unsupported") {
             return Err(error(ThawProblem::NotImplemented));

@@ -6,22 +6,22 @@ use std::time::Duration;
 use asmotion_component::Setup;
 use asmotion_datum::Datum;
 
-use crate::connection::Connection;
-use crate::declaration::{Clock, ProgramDeclaration, connect};
+use crate::connection::ProgramConnection;
+use crate::declaration::{ProgramClock, ProgramDeclaration, connect};
 use crate::error::ProgramError;
 use crate::process::ProgramCommand;
-use crate::request::Message;
-use crate::watcher::{SharedConnection, Watcher, lock};
+use crate::request::ProgramRequest;
+use crate::watcher::{ProgramWatcher, SharedConnection, lock};
 
 /// A started program. Dropping it ends the program.
-pub(super) struct Session {
+pub(super) struct ProgramSession {
     connection: SharedConnection,
     /// Waits for `wake`; `None` in simulated time.
-    watcher: Option<Watcher>,
+    watcher: Option<ProgramWatcher>,
     timeout: Duration,
 }
 
-impl Session {
+impl ProgramSession {
     /// Starts a program and compares its declaration.
     pub(super) fn start(
         command: &ProgramCommand,
@@ -30,9 +30,9 @@ impl Session {
     ) -> Result<Self, ProgramError> {
         let waker = setup.waker();
         let clock = if waker.is_some() {
-            Clock::Wall
+            ProgramClock::Wall
         } else {
-            Clock::Virtual
+            ProgramClock::Virtual
         };
         let (connection, declaration) = connect(command, setup.name(), clock)?;
         if !declaration.is_declared_alike(expected) {
@@ -42,7 +42,7 @@ impl Session {
         }
         let connection = Arc::new(Mutex::new(connection));
         Ok(Self {
-            watcher: waker.map(|waker| Watcher::start(&connection, waker)),
+            watcher: waker.map(|waker| ProgramWatcher::start(&connection, waker)),
             connection,
             timeout: command.timeout,
         })
@@ -51,7 +51,7 @@ impl Session {
     /// Sends a request and waits for the reply.
     pub(super) fn exchange(
         &self,
-        request: Message,
+        request: ProgramRequest,
         kind: &'static str,
     ) -> Result<Datum, ProgramError> {
         lock(&self.connection).exchange(&request.datum(), kind, self.timeout)
@@ -73,9 +73,9 @@ impl Session {
     }
 }
 
-impl Drop for Session {
+impl Drop for ProgramSession {
     fn drop(&mut self) {
-        Connection::end(&mut lock(&self.connection));
+        ProgramConnection::end(&mut lock(&self.connection));
         if let Some(watcher) = &mut self.watcher {
             watcher.end();
         }

@@ -5,11 +5,12 @@ import struct
 import sys
 import time
 
-import stranger
+sys.path.insert(0, "../../../../examples/gripper")
+import protocol
 
 how = sys.argv[1]
-ECHO = {"inputs": [{"name": "in", "schema": stranger.record("acme/Number", n="i64")}],
-        "outputs": [{"name": "out", "schema": stranger.record("acme/Number", n="i64")}]}
+ECHO = {"inputs": [{"name": "in", "schema": protocol.record("acme/Number", n="i64")}],
+        "outputs": [{"name": "out", "schema": protocol.record("acme/Number", n="i64")}]}
 cycles = 0
 
 if how == "exits":
@@ -18,13 +19,13 @@ if how == "never-connects":
     print("waiting for the hardware", flush=True)
     time.sleep(60)
 if how == "never-speaks":
-    connection = stranger.connect()
+    connection = protocol.connect()
     time.sleep(60)
 if how == "garbage":
-    stranger.connect().sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
+    protocol.connect().sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
     time.sleep(60)
 if how == "not-cbor":
-    connection = stranger.connect()
+    connection = protocol.connect()
     connection.sendall(struct.pack("<I", 3) + b"\xff\xff\xff")
     time.sleep(60)
 if how == "version":
@@ -52,7 +53,7 @@ def cycle(request):
     if how == "killed":
         os.kill(os.getpid(), 9)
     if how == "late":
-        time.sleep(0.6)
+        time.sleep(2.5)
     if how == "hangs":
         time.sleep(60)
     if how == "huge":
@@ -75,7 +76,7 @@ def cycle(request):
     return done
 
 
-hello = stranger.connect
+hello = protocol.connect
 
 
 def remembered():
@@ -84,7 +85,7 @@ def remembered():
     return connection
 
 
-stranger.connect = remembered
-stranger.serve(ECHO, {"cycle": cycle})
+protocol.connect = remembered
+protocol.serve(ECHO, {"cycle": cycle})
 if how == "stays":
     time.sleep(60)

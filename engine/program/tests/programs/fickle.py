@@ -1,7 +1,9 @@
 """Declares another port each time."""
 
 import os
+import sys
 
-import stranger
+sys.path.insert(0, "../../../../examples/gripper")
+import protocol
 
-stranger.serve({"inputs": [{"name": f"in{os.getpid()}", "schema": {"shape": "any"}}]}, {})
+protocol.serve({"inputs": [{"name": f"in{os.getpid()}", "schema": {"shape": "any"}}]}, {})

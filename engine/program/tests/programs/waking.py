@@ -5,9 +5,10 @@ import sys
 import threading
 import time
 
-import stranger
+sys.path.insert(0, "../../../../examples/gripper")
+import protocol
 
-connect = stranger.connect
+connect = protocol.connect
 
 
 def remembered():
@@ -23,7 +24,7 @@ def wake():
         os._exit(3)
     while True:
         time.sleep(0.05)
-        stranger.send(connection, {"type": "wake"})
+        protocol.send(connection, {"type": "wake"})
 
 
 def start(request):
@@ -35,5 +36,5 @@ def cycle(request):
     return {"type": "done", "reports": [["woken by", "a thread"]]}
 
 
-stranger.connect = remembered
-stranger.serve({}, {"start": start, "cycle": cycle})
+protocol.connect = remembered
+protocol.serve({}, {"start": start, "cycle": cycle})

@@ -112,6 +112,7 @@ pub fn open(settings: &[(String, String)]) -> Opened {
         environment: &EmptyEnvironment,
         catalogue: &BUILD,
         specifications: &NoSpecifications,
+        programs: &asmotion_composite::NoPrograms,
         settings,
     };
     let opened = asmotion_plan::open("arm.composite.toml", &context);

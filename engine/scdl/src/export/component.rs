@@ -127,8 +127,11 @@ impl Exporter<'_> {
             Made::Composite(file) => Some(ScdlImplementation::Composite(
                 file.clone().map(|file| name::of_file(&file).to_owned()),
             )),
-            Made::Process { command, arguments } if command.value == "python3" => {
-                arguments.first().cloned().map(ScdlImplementation::Python)
+            Made::Process { command, .. }
+                if let [interpreter, script] = command.as_slice()
+                    && interpreter.value == "python3" =>
+            {
+                Some(ScdlImplementation::Python(script.clone()))
             }
             Made::Process { .. }
             | Made::Builtin { .. }

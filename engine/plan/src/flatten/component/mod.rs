@@ -10,13 +10,17 @@ use asmotion_composite::Catalogue;
 use asmotion_composite::check::endpoints::{self, Endpoints};
 use asmotion_composite::family::Member;
 use asmotion_composite::model::{self, PlannedMapEntry, PlannedSpecialKeys};
+use asmotion_composite::programs::directory_of;
 use asmotion_composite::scope::{OutsideSettings, PropertyScope, SubstitutionNotes};
 use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
+use asmotion_program::ProgramDeclaration;
 
 /// Inputs for the resolution of a component.
 pub(super) struct PartSource<'p> {
     pub member: &'p Member,
+    /// Path of the file.
+    pub path: &'p str,
     pub component: &'p model::Component,
     /// Its bindings, one for each location.
     pub bind: &'p model::binding::Bind,
@@ -57,6 +61,7 @@ pub(super) fn component(
         properties,
         binding: binding::binding(source, to),
         bridge: proxy::settings(source),
+        program: program(source),
     }
 }
 
@@ -78,6 +83,12 @@ fn service(service: &endpoints::EndpointService) -> Service {
     }
 }
 
+/// Returns the declaration of the program that implements the component.
+fn program(source: &PartSource<'_>) -> Option<ProgramDeclaration> {
+    let answer = source.member.program(&source.component.name.value)?;
+    answer.as_ref().ok().cloned()
+}
+
 fn implementation(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Implementation {
     let written = source.component.implementation.as_ref();
     match written.and_then(|written| to.of(written)) {
@@ -85,6 +96,20 @@ fn implementation(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Implementat
             file: source.member.path(&file).unwrap_or(&file).to_owned(),
             main,
         },
+        Some(Implementation::Process {
+            command,
+            directory,
+            start_timeout_s,
+            timeout_s,
+        }) => {
+            let directory = directory_of(directory.as_deref(), source.path);
+            Implementation::Process {
+                command,
+                directory: Some(directory.display().to_string()),
+                start_timeout_s,
+                timeout_s,
+            }
+        }
         Some(resolved) => resolved,
         // the error has been reported, so this plan is never started
         None => Implementation::Rust(String::new()),

@@ -2,7 +2,6 @@
 
 use super::PartSource;
 use crate::plan::PropertyValues;
-use asmotion_composite::model;
 use asmotion_composite::property::lawful;
 use asmotion_composite::scope::{OutsideSettings, SubstitutionNotes};
 
@@ -12,10 +11,9 @@ pub(super) fn properties(
     mut set: OutsideSettings,
     notes: &mut SubstitutionNotes,
 ) -> PropertyValues {
-    let declaration = match &source.component.implementation {
-        Some(model::Implementation::Rust(name)) => source.catalogue.declaration(name),
-        _ => None,
-    };
+    let declaration = source
+        .member
+        .declaration(source.component, source.catalogue);
     let order = source
         .component
         .properties

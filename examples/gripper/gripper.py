@@ -1,12 +1,12 @@
 """A gripper: moves to the commanded opening, and closes on request after it has asked whether it may."""
 
-import stranger
+import protocol
 
-COMMAND = stranger.record("acme/GripperCommand", opening="f64")
-STATE = stranger.record("acme/GripperState", opening="f64", is_closed="bool")
-CLOSE = stranger.record("acme/Close", force="f64")
-CLOSED = stranger.record("acme/Closed", width="f64")
-PERMISSION = stranger.record("acme/Permission", granted="bool")
+COMMAND = protocol.record("acme/GripperCommand", opening="f64")
+STATE = protocol.record("acme/GripperState", opening="f64", is_closed="bool")
+CLOSE = protocol.record("acme/Close", force="f64")
+CLOSED = protocol.record("acme/Closed", width="f64")
+PERMISSION = protocol.record("acme/Permission", granted="bool")
 
 DECLARATION = {
     "implementation": "acme-gripper 1.2",
@@ -48,10 +48,12 @@ def cycle(request):
         done["calls"].append({"call": calls, "reference": "guard", "operation": "ask", "argument": one["argument"]})
     for reply in request.get("replies", []):
         one = asked.pop(reply["call"])
-        if "error" in reply:
-            fault = {"code": "NO_GUARD", "text": reply["error"]["kind"]}
+        error = reply.get("error")
+        if error and error["kind"] != "unavailable":
+            fault = {"code": "NO_GUARD", "text": error["kind"]}
             done["replies"].append({"id": one, "fault": fault})
-        elif reply["result"]["granted"]:
+        # without a guard it may
+        elif error or reply["result"]["granted"]:
             target = 0.0
             done["replies"].append({"id": one, "result": {"width": opening}})
         else:
@@ -69,12 +71,12 @@ def inspect(_):
 
 
 def freeze(_):
-    return {"type": "frozen", "state": stranger.encode([opening, target, speed, asked and list(asked.items()), calls])}
+    return {"type": "frozen", "state": protocol.encode([opening, target, speed, asked and list(asked.items()), calls])}
 
 
 def thaw(request):
     global opening, target, speed, calls, asked
-    opening, target, speed, pending, calls = stranger.decode(request["state"])[0]
+    opening, target, speed, pending, calls = protocol.decode(request["state"])[0]
     asked = dict(pending or [])
     return {"type": "ok"}
 
@@ -84,5 +86,5 @@ def serve(request):
                                         for one in request["requests"]]}
 
 
-stranger.serve(DECLARATION, {"configure": configure, "cycle": cycle, "inspect": inspect, "freeze": freeze, "thaw": thaw,
+protocol.serve(DECLARATION, {"configure": configure, "cycle": cycle, "inspect": inspect, "freeze": freeze, "thaw": thaw,
                              "serve": serve})
