@@ -186,8 +186,8 @@ fn encoded(codec: Codec) -> Vec<Vec<u8>> {
 }
 
 fn map(format: &str) -> Vec<Vec<u8>> {
-    let mut found = fixture::all().into_iter().filter(|it| it.format == format);
-    vec![found.next().unwrap().files.remove(0).1]
+    let mut found = fixture::all().into_iter().filter(|it| it.0 == format);
+    vec![found.next().unwrap().1.files.remove(0).1]
 }
 
 #[test]
