@@ -43,3 +43,4 @@ mod tour;
 mod up;
 mod ways;
 mod youbot;
+mod youbot_python;
