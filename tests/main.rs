@@ -45,3 +45,4 @@ mod tour;
 mod up;
 mod ways;
 mod youbot;
+mod youbot_python;

@@ -28,6 +28,8 @@ pub(crate) struct ProgramConnection {
     stream: UnixStream,
     pub log: ProgramLog,
     received: FrameBuffer,
+    /// The program has closed its end of the socket. What it sent before still counts.
+    is_at_end: bool,
     /// Set by `wake` messages, cleared by `take_wake`.
     has_woken: bool,
     /// The program has ended or was killed.
@@ -43,6 +45,7 @@ impl ProgramConnection {
             stream,
             log,
             received: FrameBuffer::default(),
+            is_at_end: false,
             has_woken: false,
             is_closed: false,
             violation: None,
@@ -90,8 +93,9 @@ impl ProgramConnection {
 
     /// Receives what the program has sent outside of an exchange. Returns whether the component has to fail.
     pub(crate) fn receive_unasked(&mut self) -> bool {
-        let received = self.receive().and_then(|()| self.take_frame());
-        let failure = match received {
+        self.receive();
+        let failure = match self.take_frame() {
+            Ok(None) if self.is_at_end => ExchangeFailure::Ended,
             Ok(None) => return self.is_closed,
             Ok(Some(_)) => ExchangeFailure::Other(unasked()),
             Err(failure) => failure,
@@ -105,7 +109,7 @@ impl ProgramConnection {
 
     /// Sends a frame. Receives meanwhile, so that neither side waits for the other to read.
     fn send(&mut self, mut frame: &[u8], until: Instant) -> Result<(), ExchangeFailure> {
-        self.receive()?;
+        self.receive();
         if self.take_frame()?.is_some() {
             return Err(ExchangeFailure::Other(unasked()));
         }
@@ -116,10 +120,15 @@ impl ProgramConnection {
                     if !self.wait(PollFlags::IN | PollFlags::OUT, until) {
                         return Err(ExchangeFailure::Silent);
                     }
-                    self.receive()?;
+                    self.receive();
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(_) => return Err(ExchangeFailure::Ended),
+                // what was sent before the end is read with the reply
+                Err(_) => {
+                    self.receive();
+                    self.is_at_end = true;
+                    return Ok(());
+                }
             }
         }
         Ok(())
@@ -131,10 +140,13 @@ impl ProgramConnection {
             if let Some(reply) = self.take_frame()? {
                 return Ok(Some(reply));
             }
+            if self.is_at_end {
+                return Err(ExchangeFailure::Ended);
+            }
             if !self.wait(PollFlags::IN, until) {
                 return Ok(None);
             }
-            self.receive()?;
+            self.receive();
         }
     }
 
@@ -154,20 +166,19 @@ impl ProgramConnection {
     }
 
     /// Receives what has arrived at the socket.
-    fn receive(&mut self) -> Result<(), ExchangeFailure> {
+    fn receive(&mut self) {
         for _ in 0..READS {
-            if self.received.is_full() {
+            if self.is_at_end || self.received.is_full() {
                 break;
             }
             match self.received.read(&self.stream) {
-                Ok(0) => return Err(ExchangeFailure::Ended),
+                Ok(0) => self.is_at_end = true,
                 Ok(_) => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(_) => return Err(ExchangeFailure::Ended),
+                Err(_) => self.is_at_end = true,
             }
         }
-        Ok(())
     }
 
     /// Takes the first message that is not `wake`.

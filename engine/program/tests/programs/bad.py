@@ -22,6 +22,7 @@ if how == "never-speaks":
     connection = protocol.connect()
     time.sleep(60)
 if how == "garbage":
+    # and closes the connection
     protocol.connect().sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n")
     time.sleep(60)
 if how == "not-cbor":
