@@ -121,6 +121,7 @@ impl SpecsMission {
             environment: &EmptyEnvironment,
             catalogue: &BUILD,
             specifications: &specifications,
+            programs: &asmotion_composite::NoPrograms,
             settings,
         };
         let path = path.canonicalize().unwrap().display().to_string();

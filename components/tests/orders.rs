@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use asmotion_assembly::Standard;
 use asmotion_component::{Span, Time, Transition};
 use asmotion_composite::model::BuiltinComponent;
-use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
+use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms, Tables};
 use asmotion_lang::Loader;
 use asmotion_lang::diagnostics::LoadError;
 use asmotion_messages::{Event, Path, Pose, PoseStamped, Time as Stamp};
@@ -53,6 +53,7 @@ fn navigation() -> (System, Orders) {
         environment: &EmptyEnvironment,
         catalogue: &BUILD,
         specifications: &specifications,
+        programs: &NoPrograms,
         settings: &[],
     };
     let path = path.canonicalize().unwrap().display().to_string();
