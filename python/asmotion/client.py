@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import urllib.error
 import urllib.parse
-import urllib.request
 from typing import Any, TypeVar, overload
 
 from asmotion.component import Interface, Operation
@@ -148,13 +146,21 @@ class Client:
         return body
 
     def _exchange(self, method: str, path: str, content: bytes | None, timeout_s: float) -> tuple[int, Any]:
+        # not at the top: components, which import this module too, start faster without
+        import urllib.error
+        import urllib.request
+
+        class NoRedirect(urllib.request.HTTPRedirectHandler):
+            def redirect_request(self, *_: Any) -> None:
+                return None
+
         request = urllib.request.Request(self.url + path, data=content, method=method)
         request.add_header("Accept", "application/json")
         if content is not None:
             request.add_header("Content-Type", "application/json")
         if self._token is not None:
             request.add_header("Authorization", f"Bearer {self._token}")
-        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), _NoRedirect())
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), NoRedirect())
         try:
             with opener.open(request, timeout=timeout_s) as response:
                 return response.status, _body(response.read())
@@ -195,11 +201,6 @@ class ServiceClient:
             return self._client.call(address, fields if argument is None else argument, timeout_s=timeout_s, returns=returns)
 
         return call
-
-
-class _NoRedirect(urllib.request.HTTPRedirectHandler):
-    def redirect_request(self, *_: Any) -> None:
-        return None
 
 
 def _body(content: bytes) -> Any:
