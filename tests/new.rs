@@ -62,6 +62,38 @@ fn a_project_with_a_specification_only() {
     assert!(text.contains("OPENING → DONE"), "{text}");
 }
 
+#[test]
+fn a_project_in_python_passes_its_tests_and_missions() {
+    let home = tempfile::tempdir().unwrap();
+    succeeds(home.path(), &["new", "left-arm", "--python"]);
+    let project = home.path().join("left-arm");
+    succeeds(&project, &["new", "component", "wrist"]);
+    assert!(!contents(&project).to_lowercase().contains("gripper"));
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("python");
+    let run = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program)
+            .args(arguments)
+            .env("PYTHONPATH", &package)
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .current_dir(&project)
+            .output()
+            .unwrap();
+        let text = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        assert!(output.status.success(), "{program} {arguments:?}: {text}");
+        text
+    };
+    let text = run("python3", &["-m", "unittest"]);
+    assert!(text.contains("Ran 2 tests"), "{text}");
+    let asmotion = env!("CARGO_BIN_EXE_asmotion");
+    let text = run(asmotion, &["check", "specs"]);
+    assert!(text.contains("no findings"), "{text}");
+    let text = run(asmotion, &["test", "specs"]);
+    assert!(text.contains("3 passed"), "{text}");
+    let mission = ["run", "specs/left_arm.composite.toml", "--until", "mode=DONE"];
+    let text = run(asmotion, &mission);
+    assert!(text.contains("OPENING → DONE"), "{text}");
+}
+
 /// Compiles asmotion a second time, because a project outside the workspace shares none of its artifacts.
 #[test]
 #[ignore = "takes five minutes: run with `--ignored`"]
