@@ -89,7 +89,12 @@ fn a_project_in_python_passes_its_tests_and_missions() {
     assert!(text.contains("no findings"), "{text}");
     let text = run(asmotion, &["test", "specs"]);
     assert!(text.contains("3 passed"), "{text}");
-    let mission = ["run", "specs/left_arm.composite.toml", "--until", "mode=DONE"];
+    let mission = [
+        "run",
+        "specs/left_arm.composite.toml",
+        "--until",
+        "mode=DONE",
+    ];
     let text = run(asmotion, &mission);
     assert!(text.contains("OPENING → DONE"), "{text}");
 }
@@ -101,7 +106,11 @@ fn a_project_in_rust_has_every_command_with_its_component() {
     let (home, source) = (tempfile::tempdir().unwrap(), env!("CARGO_MANIFEST_DIR"));
     succeeds(home.path(), &["new", "left-arm", "--source", source]);
     let project = home.path().join("left-arm");
-    succeeds(&project, &["new", "component", "wrist"]);
+    let text = succeeds(&project, &["new", "component", "wrist"]);
+    assert!(
+        text.contains("Created src/wrist.rs") && text.contains("Changed src/lib.rs"),
+        "{text}"
+    );
     assert!(!contents(&project).to_lowercase().contains("gripper"));
     let lib = std::fs::read_to_string(project.join("src/lib.rs")).unwrap();
     assert!(

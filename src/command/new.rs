@@ -35,6 +35,13 @@ pub struct New {
     source: Option<PathBuf>,
 }
 
+/// Files that were written, and what to do next.
+struct Creation {
+    created: Vec<PathBuf>,
+    changed: Vec<PathBuf>,
+    next: String,
+}
+
 impl New {
     /// Writes the files. Nothing is written if one of them exists.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
@@ -47,11 +54,14 @@ impl New {
             _ => Err("the name of the project is missing".to_owned()),
         };
         match created {
-            Ok((files, hint)) => {
-                for path in files {
+            Ok(done) => {
+                for path in done.created {
                     terminal.status("Created", path.display());
                 }
-                terminal.progress(hint);
+                for path in done.changed {
+                    terminal.status("Changed", path.display());
+                }
+                terminal.status("Next", done.next);
                 Exit::Ok
             }
             Err(problem) => {
@@ -61,7 +71,7 @@ impl New {
         }
     }
 
-    fn project(&self, name: &str) -> Result<(Vec<PathBuf>, String), String> {
+    fn project(&self, name: &str) -> Result<Creation, String> {
         let name = ProjectName::parse(name)?;
         let kind = match (self.python, self.spec_only) {
             (true, _) => ProjectKind::Python,
@@ -74,22 +84,29 @@ impl New {
             return Err(format!("`{}` exists", folder.display()));
         }
         let files = project::files(kind, &name, source.as_deref());
-        let written = write(&folder, &files)?;
-        let hint = format!("     Next: cd {} && {}", name.kebab(), kind.first_command());
-        Ok((written, hint))
+        Ok(Creation {
+            created: write(&folder, &files)?,
+            changed: Vec::new(),
+            next: format!("cd {} && {}", name.kebab(), kind.first_command()),
+        })
     }
 
-    fn component(&self, name: &str) -> Result<(Vec<PathBuf>, String), String> {
+    fn component(&self, name: &str) -> Result<Creation, String> {
         let name = ProjectName::parse(name)?;
-        let (files, changed, hint) = component::files(Path::new("."), &name)?;
-        let mut written = write(Path::new("."), &files)?;
-        for file in &changed {
+        let (files, changes, next) = component::files(Path::new("."), &name)?;
+        let created = write(Path::new(""), &files)?;
+        let mut changed = Vec::new();
+        for file in &changes {
             let path = PathBuf::from(&file.path);
             std::fs::write(&path, &file.text)
                 .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
-            written.push(path);
+            changed.push(path);
         }
-        Ok((written, hint))
+        Ok(Creation {
+            created,
+            changed,
+            next,
+        })
     }
 }
 

@@ -60,9 +60,8 @@ fn in_rust(folder: &Path, name: &ProjectName) -> Result<Addition, String> {
             &format!("\"{package}::{camel}\""),
         ),
     };
-    let hint = format!(
-        "     Next: name it in a composite: implementation = {{ rust = \"{package}::{camel}\" }}"
-    );
+    let hint =
+        format!("name it in a composite: implementation = {{ rust = \"{package}::{camel}\" }}");
     let lib = ChangedFile {
         path: path.to_owned(),
         text: changed,
@@ -88,7 +87,7 @@ fn in_python(name: &ProjectName) -> Addition {
     let [component, test] = PYTHON_COMPONENT.map(|text| name.apply(text));
     let new = |path: String, text| NewFile { path, text };
     let hint = format!(
-        "     Next: name it in a composite: implementation = {{ process = [\"python3\", \"../{snake}.py\"] }}"
+        "name it in a composite: implementation = {{ process = [\"python3\", \"../{snake}.py\"] }}"
     );
     let files = vec![
         new(format!("{snake}.py"), component),
