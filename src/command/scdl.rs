@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use asmotion_composite::NoPrograms;
 use asmotion_lang::Loader;
 use clap::{Args, Subcommand};
 
@@ -135,7 +136,7 @@ fn write(path: &Path, text: &str, terminal: &mut TerminalOutput) -> Result<(), E
 
 impl ScdlExport {
     fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
-        let opened = build.open(&self.composite, &[], &DiskLoader);
+        let opened = build.open_with(&self.composite, &[], &DiskLoader, &NoPrograms);
         terminal.report(&opened.report, &opened.sources);
         let composite = opened.composite.filter(|_| !opened.report.has_errors());
         let Some(composite) = composite else {

@@ -13,7 +13,7 @@ use flate2::write::GzEncoder;
 use crate::error::{MapError, MapFault};
 use crate::files::FilesInMemory;
 use crate::format::{MapFormat, MapSettings};
-use crate::formats::{MapFormats, load};
+use crate::formats::MapFormats;
 use crate::map::Map;
 
 /// A map in the format under test: a free yard with a building.
@@ -29,7 +29,7 @@ pub struct Yard {
     pub free: (f64, f64),
 }
 
-type Case = fn(&Yard, &MapSettings) -> Result<(), String>;
+type Case = fn(&Yard, &MapFormats) -> Result<(), String>;
 
 const CASES: &[(&str, Case)] = &[
     ("the building is occupied and the yard is free", reads),
@@ -48,12 +48,9 @@ const CASES: &[(&str, Case)] = &[
 
 /// Runs the suite; a format keeps the contract if this is empty. A violation is the case, and the observed behaviour.
 pub fn violations(format: &'static dyn MapFormat, yard: &Yard) -> Vec<String> {
-    let settings = MapSettings {
-        formats: MapFormats::none().with("tested", format),
-        ..MapSettings::default()
-    };
+    let formats = MapFormats::none().with("tested", format);
     let run = |(case, check): &(&str, Case)| {
-        let checked = catch_unwind(AssertUnwindSafe(|| check(yard, &settings)));
+        let checked = catch_unwind(AssertUnwindSafe(|| check(yard, &formats)));
         let observed = checked
             .unwrap_or_else(|_| Err("panicked".to_owned()))
             .err()?;
@@ -62,29 +59,30 @@ pub fn violations(format: &'static dyn MapFormat, yard: &Yard) -> Vec<String> {
     CASES.iter().filter_map(run).collect()
 }
 
-fn reads(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
-    check_content(&load_yard(yard, settings)?, yard)
+fn reads(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
+    check_content(&load_yard(yard, formats, &MapSettings::default())?, yard)
 }
 
-fn is_deterministic(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
-    let same = load_yard(yard, settings)?.grid == load_yard(yard, settings)?.grid;
+fn is_deterministic(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
+    let same = load_yard(yard, formats, &MapSettings::default())?.grid
+        == load_yard(yard, formats, &MapSettings::default())?.grid;
     require(same, || "the second map differs from the first".to_owned())
 }
 
-fn reads_packed(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
+fn reads_packed(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
     let (name, files) = packed(yard)?;
-    let map = load(&FilesInMemory::new(files), &name, settings);
+    let map = formats.load(&FilesInMemory::new(files), &name, &MapSettings::default());
     check_content(&map.map_err(|error| error.to_string())?, yard)
 }
 
-fn reads_coarsely(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
-    let fine = load_yard(yard, settings)?;
+fn reads_coarsely(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
+    let fine = load_yard(yard, formats, &MapSettings::default())?;
     let resolution = 2.0 * fine.grid.layout().resolution();
     let coarse = MapSettings {
         resolution: Some(resolution),
-        ..settings.clone()
+        ..MapSettings::default()
     };
-    let coarse = load_yard(yard, &coarse)?;
+    let coarse = load_yard(yard, formats, &coarse)?;
     check_content(&coarse, yard)?;
     let observed = coarse.grid.layout().resolution();
     require((observed - resolution).abs() < 1e-9, || {
@@ -96,12 +94,12 @@ fn reads_coarsely(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
     })
 }
 
-fn refuses_large_grid(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
+fn refuses_large_grid(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
     let small = MapSettings {
         max_cells: 400,
-        ..settings.clone()
+        ..MapSettings::default()
     };
-    let error = refused(read(yard, &small))?;
+    let error = refused(read(yard, formats, &small))?;
     let MapFault::TooLarge { fits, .. } = error.fault else {
         return Err(error.to_string());
     };
@@ -109,10 +107,10 @@ fn refuses_large_grid(yard: &Yard, settings: &MapSettings) -> Result<(), String>
         resolution: Some(fits),
         ..small
     };
-    load_yard(yard, &fitting).map(drop)
+    load_yard(yard, formats, &fitting).map(drop)
 }
 
-fn refuses_long_file(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
+fn refuses_long_file(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
     let too_long = |error: MapError, limit| {
         let expected = MapFault::TooManyBytes { limit };
         require(error.fault == expected, || error.to_string())
@@ -122,9 +120,9 @@ fn refuses_long_file(yard: &Yard, settings: &MapSettings) -> Result<(), String> 
     };
     let short = MapSettings {
         max_bytes: limit,
-        ..settings.clone()
+        ..MapSettings::default()
     };
-    too_long(refused(read(yard, &short))?, limit)?;
+    too_long(refused(read(yard, formats, &short))?, limit)?;
     // decompressed it is too long, compressed it is not
     let (name, files) = packed(yard)?;
     let limit = files.first().map_or(0, |(_, bytes)| bytes.len() as u64);
@@ -133,18 +131,22 @@ fn refuses_long_file(yard: &Yard, settings: &MapSettings) -> Result<(), String> 
     }
     let short = MapSettings {
         max_bytes: limit,
-        ..settings.clone()
+        ..MapSettings::default()
     };
-    let result = load(&FilesInMemory::new(files), &name, &short);
+    let result = formats.load(&FilesInMemory::new(files), &name, &short);
     too_long(refused(result)?, limit)
 }
 
-fn names_missing_file(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
+fn names_missing_file(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
     for missing in 0..yard.files.len() {
         let mut rest = yard.clone();
         let (name, _) = rest.files.remove(missing);
         let first = yard.files.first().map_or("", |(name, _)| name);
-        let result = load(&FilesInMemory::new(rest.files), first, settings);
+        let result = formats.load(
+            &FilesInMemory::new(rest.files),
+            first,
+            &MapSettings::default(),
+        );
         let error = refused(result)?;
         require(
             error.file == name && error.fault == MapFault::Missing,
@@ -154,22 +156,22 @@ fn names_missing_file(yard: &Yard, settings: &MapSettings) -> Result<(), String>
     Ok(())
 }
 
-fn survives_truncation(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
+fn survives_truncation(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
     for (which, (_, bytes)) in yard.files.iter().enumerate() {
         for length in 0..bytes.len() {
-            read_damaged(yard, settings, which, bytes.get(..length).unwrap_or(bytes))?;
+            read_damaged(yard, formats, which, bytes.get(..length).unwrap_or(bytes))?;
         }
     }
     Ok(())
 }
 
-fn survives_changed_bytes(yard: &Yard, settings: &MapSettings) -> Result<(), String> {
+fn survives_changed_bytes(yard: &Yard, formats: &MapFormats) -> Result<(), String> {
     for (which, (_, bytes)) in yard.files.iter().enumerate() {
         let mut damaged = bytes.clone();
         for at in 0..bytes.len().min(1500) {
             for change in [0x00, 0x01, 0x30, 0x7f, 0x80, 0xff] {
                 damaged[at] = change;
-                read_damaged(yard, settings, which, &damaged)?;
+                read_damaged(yard, formats, which, &damaged)?;
             }
             damaged[at] = bytes[at];
         }
@@ -180,7 +182,7 @@ fn survives_changed_bytes(yard: &Yard, settings: &MapSettings) -> Result<(), Str
 /// Loads the yard with another content of one file. An error must name a file.
 fn read_damaged(
     yard: &Yard,
-    settings: &MapSettings,
+    formats: &MapFormats,
     which: usize,
     bytes: &[u8],
 ) -> Result<(), String> {
@@ -191,21 +193,21 @@ fn read_damaged(
     let settings = MapSettings {
         max_cells: 1_000_000,
         max_bytes: 1 << 20,
-        ..settings.clone()
+        ..MapSettings::default()
     };
-    match read(&damaged, &settings) {
+    match read(&damaged, formats, &settings) {
         Err(error) if error.file.is_empty() => Err(format!("an error without a file: {error}")),
         Ok(_) | Err(_) => Ok(()),
     }
 }
 
-fn read(yard: &Yard, settings: &MapSettings) -> Result<Map, MapError> {
+fn read(yard: &Yard, formats: &MapFormats, settings: &MapSettings) -> Result<Map, MapError> {
     let name = yard.files.first().map_or("", |(name, _)| name);
-    load(&FilesInMemory::new(yard.files.clone()), name, settings)
+    formats.load(&FilesInMemory::new(yard.files.clone()), name, settings)
 }
 
-fn load_yard(yard: &Yard, settings: &MapSettings) -> Result<Map, String> {
-    read(yard, settings).map_err(|error| error.to_string())
+fn load_yard(yard: &Yard, formats: &MapFormats, settings: &MapSettings) -> Result<Map, String> {
+    read(yard, formats, settings).map_err(|error| error.to_string())
 }
 
 fn refused(result: Result<Map, MapError>) -> Result<MapError, String> {

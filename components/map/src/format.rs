@@ -4,7 +4,6 @@ use asmotion_geometry::Occupancy;
 
 use crate::error::{MapError, MapFault, Where};
 use crate::files::{FileFault, FileSource, read_at_most};
-use crate::formats::MapFormats;
 use crate::map::Map;
 use crate::rules::Rules;
 
@@ -37,8 +36,6 @@ pub struct MapSettings {
     pub rules: Rules,
     /// Frame of the grid, which its header names.
     pub frame: String,
-    /// The formats that are read.
-    pub formats: MapFormats,
 }
 
 impl Default for MapSettings {
@@ -50,7 +47,6 @@ impl Default for MapSettings {
             ground: None,
             rules: Rules::default(),
             frame: "map".to_owned(),
-            formats: MapFormats::standard(),
         }
     }
 }

@@ -69,13 +69,28 @@ impl MapFormats {
         self.iter()
             .flat_map(|format| format.endings().iter().copied())
     }
-}
 
-impl PartialEq for MapFormats {
-    /// Compares the names: a name stands for one format in a program.
-    fn eq(&self, other: &Self) -> bool {
-        let names = |formats: &Self| formats.0.iter().map(|(name, _)| *name).collect::<Vec<_>>();
-        names(self) == names(other)
+    /// Loads the map in file `name`, whose ending determines the format.
+    ///
+    /// # Errors
+    /// [`MapFault::UnknownFormat`](crate::MapFault::UnknownFormat) for another ending,
+    /// [`MapFault::LeftOut`](crate::MapFault::LeftOut) if the build lacks the format, and the errors of the format.
+    pub fn load(
+        &self,
+        files: &dyn FileSource,
+        name: &str,
+        settings: &MapSettings,
+    ) -> Result<Map, MapError> {
+        let source = MapSource::new(files, name, settings);
+        match self.of_file(name) {
+            Some(format) => format.load(&source, settings),
+            None if LEFT_OUT.iter().any(|ending| stem(name, ending).is_some()) => {
+                Err(source.error(MapFault::LeftOut { feature: "maps" }))
+            }
+            None => Err(source.error(MapFault::UnknownFormat {
+                known: self.endings().collect::<Vec<_>>().join(" "),
+            })),
+        }
     }
 }
 
@@ -87,22 +102,12 @@ impl fmt::Debug for MapFormats {
     }
 }
 
-/// Loads the map in file `name`, whose ending determines the format.
+/// Loads the map in file `name` in one of the formats of this crate; see [`MapFormats::load`].
 ///
 /// # Errors
-/// [`MapFault::UnknownFormat`](crate::MapFault::UnknownFormat) for another ending,
-/// [`MapFault::LeftOut`](crate::MapFault::LeftOut) if the build lacks the format, and the errors of the format.
+/// As [`MapFormats::load`].
 pub fn load(files: &dyn FileSource, name: &str, settings: &MapSettings) -> Result<Map, MapError> {
-    let source = MapSource::new(files, name, settings);
-    match settings.formats.of_file(name) {
-        Some(format) => format.load(&source, settings),
-        None if LEFT_OUT.iter().any(|ending| stem(name, ending).is_some()) => {
-            Err(source.error(MapFault::LeftOut { feature: "maps" }))
-        }
-        None => Err(source.error(MapFault::UnknownFormat {
-            known: settings.formats.endings().collect::<Vec<_>>().join(" "),
-        })),
-    }
+    MapFormats::standard().load(files, name, settings)
 }
 
 /// The name without the ending and an optional `.gz`; `None` if it has another ending.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{MapError, MapFault, Where};
 use crate::files::{FileFault, FileSource};
 use crate::format::{MapSettings, MapSource};
-use crate::formats::{MapFormats, load, stem};
+use crate::formats::{MapFormats, stem};
 use crate::map::Map;
 
 /// The name of the file that lists places.
@@ -59,10 +59,11 @@ impl Places {
     pub fn find(
         files: &dyn FileSource,
         source: &str,
+        formats: &MapFormats,
         settings: &MapSettings,
     ) -> Result<Self, MapError> {
         if files.is_folder(source) {
-            return Self::in_folder(files, source.trim_end_matches('/'), settings);
+            return Self::in_folder(files, source.trim_end_matches('/'), formats, settings);
         }
         if source.ends_with(".toml") {
             return Self::listed(files, source, settings);
@@ -78,13 +79,14 @@ impl Places {
             file: source.to_owned(),
             resolution: None,
         };
-        let place = named(name, &settings.formats).unwrap_or(name);
+        let place = named(name, formats).unwrap_or(name);
         Ok(Self(BTreeMap::from([(place.to_owned(), entry)])))
     }
 
     fn in_folder(
         files: &dyn FileSource,
         folder: &str,
+        formats: &MapFormats,
         settings: &MapSettings,
     ) -> Result<Self, MapError> {
         let source = MapSource::new(files, folder, settings);
@@ -96,7 +98,7 @@ impl Places {
             return Self::listed(files, &format!("{folder}/{LIST}"), settings);
         }
         let mut places = BTreeMap::new();
-        for format in settings.formats.iter() {
+        for format in formats.iter() {
             for name in &names {
                 let mut stems = format
                     .endings()
@@ -175,6 +177,7 @@ fn named<'n>(file: &'n str, formats: &MapFormats) -> Option<&'n str> {
 /// do not need the library and can run on another thread.
 pub struct MapLibrary {
     files: Arc<dyn FileSource>,
+    formats: MapFormats,
     places: Places,
     settings: MapSettings,
     maps: BTreeMap<String, LoadedMap>,
@@ -240,6 +243,7 @@ pub struct Load {
     /// Name of the place.
     pub place: String,
     files: Arc<dyn FileSource>,
+    formats: MapFormats,
     entry: PlaceEntry,
     settings: MapSettings,
 }
@@ -293,11 +297,13 @@ impl MapLibrary {
     pub fn open(
         files: Arc<dyn FileSource>,
         source: &str,
+        formats: MapFormats,
         settings: MapSettings,
     ) -> Result<Self, MapError> {
         Ok(Self {
-            places: Places::find(files.as_ref(), source, &settings)?,
+            places: Places::find(files.as_ref(), source, &formats, &settings)?,
             files,
+            formats,
             settings,
             maps: BTreeMap::new(),
             loads: 0,
@@ -316,6 +322,7 @@ impl MapLibrary {
     /// Creates a library with previously loaded content, without reading any file.
     pub(crate) fn with_contents(
         files: Arc<dyn FileSource>,
+        formats: MapFormats,
         settings: MapSettings,
         contents: LibraryContents,
     ) -> Self {
@@ -326,6 +333,7 @@ impl MapLibrary {
         } = contents;
         Self {
             files,
+            formats,
             places,
             settings,
             maps,
@@ -364,6 +372,7 @@ impl MapLibrary {
         Load {
             place: place.to_owned(),
             files: Arc::clone(&self.files),
+            formats: self.formats.clone(),
             entry: entry.clone(),
             settings: MapSettings {
                 resolution: entry.resolution.or(self.settings.resolution),
@@ -427,7 +436,9 @@ impl Load {
     pub fn run(self) -> LoadedPlace {
         let version = self.files.version(&self.entry.file);
         LoadedPlace {
-            result: load(self.files.as_ref(), &self.entry.file, &self.settings),
+            result: self
+                .formats
+                .load(self.files.as_ref(), &self.entry.file, &self.settings),
             place: self.place,
             version,
         }
@@ -464,7 +475,12 @@ mod tests {
 
     fn library(source: &str, files: &[(&str, &str)]) -> Result<MapLibrary, MapError> {
         let files = FilesInMemory::new(files.iter().map(|(name, text)| (*name, *text)));
-        MapLibrary::open(Arc::new(files), source, MapSettings::default())
+        MapLibrary::open(
+            Arc::new(files),
+            source,
+            MapFormats::standard(),
+            MapSettings::default(),
+        )
     }
 
     /// The map of a place, and whether it was loaded by this call.
@@ -574,6 +590,7 @@ mod tests {
         let mut library = MapLibrary::open(
             Arc::new(crate::files::DiskFiles),
             source,
+            MapFormats::standard(),
             MapSettings::default(),
         )
         .unwrap();

@@ -92,7 +92,7 @@ struct MapServerProperties {
 }
 
 impl MapServerProperties {
-    fn settings(&self, formats: &MapFormats) -> Result<MapSettings, Fault> {
+    fn settings(&self) -> Result<MapSettings, Fault> {
         Ok(MapSettings {
             resolution: (self.resolution_m > 0.0).then_some(self.resolution_m),
             max_cells: self.max_cells,
@@ -100,7 +100,6 @@ impl MapServerProperties {
             ground: None,
             rules: Rules::parse(&self.rules)?.followed_by(Rules::default()),
             frame: self.frame.clone(),
-            formats: formats.clone(),
         })
     }
 }
@@ -325,11 +324,14 @@ impl Freeze for MapServer {
         let unpublished = field::<Vec<String>>(fields, "unpublished")?;
         let is_first = field::<bool>(fields, "is_first")?;
         let library = contents.map(|contents| {
-            let settings = properties
-                .settings(&self.formats)
-                .map_err(DatumError::custom)?;
+            let settings = properties.settings().map_err(DatumError::custom)?;
             let files = Arc::clone(&self.files);
-            Ok::<_, DatumError>(MapLibrary::with_contents(files, settings, contents))
+            Ok::<_, DatumError>(MapLibrary::with_contents(
+                files,
+                self.formats.clone(),
+                settings,
+                contents,
+            ))
         });
         self.library = library.transpose()?;
         self.properties.set(properties);
@@ -357,7 +359,8 @@ impl Component for MapServer {
         self.library = Some(MapLibrary::open(
             files,
             source,
-            properties.settings(&self.formats)?,
+            self.formats.clone(),
+            properties.settings()?,
         )?);
         self.is_first = !properties.place.is_empty();
         self.unpublished.clear();

@@ -55,11 +55,9 @@ use asmotion_component::{
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_runtime::{BuildError, Run, RunError, SentCall, Simulation, System};
 
-use observed::Recorder;
+use observed::{Recorder, TESTED};
 use stand_in::{Answers, StandIn};
 
-/// Name of the component under test.
-const TESTED: &str = "Tested";
 /// Name of the component that provides its references.
 const STAND_IN: &str = "StandIn";
 /// Time between cycles, unless set.

@@ -6,7 +6,8 @@ use asmotion_component::{Fault, State, Time};
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_runtime::{Event, Observer};
 
-use crate::TESTED;
+/// Name of the component under test.
+pub(crate) const TESTED: &str = "Tested";
 
 /// Effects of one cycle of the component under test.
 #[derive(Debug, Clone)]
