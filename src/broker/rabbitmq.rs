@@ -44,7 +44,11 @@ impl BrokerArguments {
         let address = self.bus.clone().or_else(variable).ok_or(
             "no broker selected: add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
         )?;
-        BrokerSettings::of_address(build, &address, &self.access)
+        let mut settings = BrokerSettings::of_address(build, &address, &self.access)?;
+        if let BrokerSettings::Amqp(settings) = &mut settings {
+            TOOL.clone_into(&mut settings.process);
+        }
+        Ok(settings)
     }
 
     /// Connects to the broker to inspect the systems on it.
