@@ -460,7 +460,7 @@ impl Robots {
         }
         drop(self.there);
         let replies = self.replies.lock().unwrap();
-        replies.first().expect("a reply").clone()
+        replies.first().unwrap().clone()
     }
 }
 
