@@ -101,7 +101,7 @@ fn a_project_in_python_passes_its_tests_and_missions() {
 
 /// Compiles asmotion a second time, because a project outside the workspace shares none of its artifacts.
 #[test]
-#[ignore = "takes five minutes: run with `--ignored`"]
+#[ignore = "compiles asmotion a second time, which takes minutes: CI runs it with `--ignored`"]
 fn a_project_in_rust_has_every_command_with_its_component() {
     let (home, source) = (tempfile::tempdir().unwrap(), env!("CARGO_MANIFEST_DIR"));
     succeeds(home.path(), &["new", "left-arm", "--source", source]);

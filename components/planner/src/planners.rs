@@ -27,7 +27,7 @@ impl Planners {
         self
     }
 
-    /// The names.
+    /// Names, in the order in which the planners were added.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         self.0.iter().map(|(name, _)| *name)
     }

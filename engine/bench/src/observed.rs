@@ -32,7 +32,7 @@ pub struct ObservedCall {
     pub reference: String,
     /// Name of the operation.
     pub operation: String,
-    /// The request.
+    /// Argument of the call, as data.
     pub argument: Datum,
 }
 

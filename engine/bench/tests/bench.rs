@@ -38,7 +38,7 @@ impl Operation for Double {
 struct MultiplierPorts {
     /// Numbers to multiply.
     number: In<Number>,
-    /// The products.
+    /// Each number times `factor`, up to 100.
     product: Out<Number>,
     /// Doubles the last number.
     last: Provided<Double>,

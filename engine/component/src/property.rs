@@ -80,7 +80,7 @@ fn list(choices: &[Datum]) -> String {
 /// Checks values against the declaration.
 pub(crate) struct Check<T> {
     pub range: Option<(Contains<T>, RangeInclusive<T>)>,
-    /// Whether values are compared with the declared schema: where the type accepts any datum.
+    /// `true` if values are compared with the declared schema, because the Rust type accepts any datum.
     pub by_schema: bool,
 }
 

@@ -108,7 +108,7 @@ impl ProgramDeclaration {
         })
     }
 
-    /// Whether a program has declared the same.
+    /// Returns whether both programs have declared the same.
     pub(crate) fn is_declared_alike(&self, other: &Self) -> bool {
         self.declared == other.declared
     }

@@ -56,7 +56,7 @@ impl FrameBuffer {
         count
     }
 
-    /// Whether so much has been received that a frame must be taken first.
+    /// Returns whether more than the longest frame is waiting, so that a frame must be taken before more is read.
     pub(crate) fn is_full(&self) -> bool {
         self.bytes.len() > LONGEST + CHUNK
     }

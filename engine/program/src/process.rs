@@ -175,7 +175,7 @@ impl ProgramProcess {
         self.status
     }
 
-    /// Whether the program has ended. Does not reap it, so that its number still denotes its group.
+    /// Returns whether the program has ended. Does not reap it, so that its number still denotes its group.
     fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let id = self.id().map(WaitId::Pid);

@@ -25,7 +25,7 @@ pub(crate) fn expect(
     }
 }
 
-/// Whether a reply has this type.
+/// Returns whether a reply has this type.
 pub(crate) fn is(reply: &Datum, kind: &str) -> bool {
     text_of(reply, "type").as_deref() == Some(kind)
 }
