@@ -1,7 +1,7 @@
 //! The command line of asmotion: one file for each command, and their shared parts.
 //!
 //! This is the only crate that prints. [`mission`] assembles and runs a composite; [`story`] prints its events, [`trace`]
-//! and [`record`] write them to files.
+//! writes them to a file.
 
 mod app;
 mod brief;
@@ -24,7 +24,6 @@ mod output_files;
 mod paths;
 mod programs;
 mod prompt;
-pub mod record;
 mod show;
 pub mod story;
 mod table;

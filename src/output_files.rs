@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io;
 
 use asmotion_component::Time;
+use asmotion_recording::PortRecording;
 use asmotion_runtime::Event;
 use clap::Args;
 
-use crate::record::PortRecording;
 use crate::trace::MissionTrace;
 
 /// Options that select the files to write.

@@ -4,11 +4,15 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use asmotion::mission::Mission;
+use asmotion_bench::Bench;
 use asmotion_component::Time;
+use asmotion_datum::Datum;
 use asmotion_messages::JointStatus;
 use asmotion_runtime::Event;
+use asmotion_youbot::DummyDriver;
 
 const COMPOSITE: &str = "specs/youbot/youbot.composite.toml";
 
@@ -34,16 +38,23 @@ fn published() -> Vec<(i64, JointStatus)> {
     std::mem::take(&mut *all)
 }
 
+/// Records ports of two seconds of the youBot's motion, and returns what the command says.
+fn record(file: &Path, ports: &[&str]) -> String {
+    let mut run = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    run.current_dir(env!("CARGO_MANIFEST_DIR"));
+    run.args(["run", COMPOSITE, "--for", "2", "--quiet", "--record"]);
+    run.arg(file);
+    for port in ports {
+        run.args(["--ports", port]);
+    }
+    String::from_utf8(run.output().unwrap().stderr).unwrap()
+}
+
 #[test]
 fn o15_csv_columns_equal_published_values() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.csv");
-    let mut run = Command::new(env!("CARGO_BIN_EXE_asmotion"));
-    run.current_dir(env!("CARGO_MANIFEST_DIR"));
-    run.args(["run", COMPOSITE, "--for", "2", "--quiet", "--record"]);
-    run.arg(&file);
-    run.args(["--ports", "Driver/*.jointStatus", "--ports", "Nobody.*"]);
-    let said = String::from_utf8(run.output().unwrap().stderr).unwrap();
+    let said = record(&file, &["Driver/*.jointStatus", "Nobody.*"]);
     assert!(said.contains("`Nobody.*`: no port of this name"), "{said}");
     let mut table = csv::Reader::from_path(&file).unwrap();
     let names: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
@@ -76,6 +87,28 @@ fn o15_csv_columns_equal_published_values() {
     assert!(rows > 15, "{rows}");
     // only the requested columns: the time, a stamp of two numbers, five lists of five
     assert_eq!(names.len(), 1 + 2 + 5 * 5);
+}
+
+#[test]
+fn o15_on_the_bench_the_driver_does_with_recorded_commands_what_it_did_in_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.csv");
+    record(&file, &[]);
+    let mut bench = Bench::new(DummyDriver::new);
+    bench
+        .period(Duration::from_millis(100))
+        .set("joints", Datum::Int(5))
+        .set("seed", Datum::Int(42))
+        .give_recorded("commands", &file, "Driver/SCAyouBotDriver.commands");
+    let cycles = bench.run_for(Duration::from_secs(2)).unwrap();
+    let status = cycles
+        .iter()
+        .flat_map(|it| it.outputs::<JointStatus>("jointStatus"));
+    let status: Vec<JointStatus> = status.collect();
+    let expected: Vec<JointStatus> = published().into_iter().map(|(_, status)| status).collect();
+    assert_eq!(status, expected[..status.len()]);
+    let moved = |joint: usize| status[0].position[joint] != status[19].position[joint];
+    assert!((0..5).all(moved), "the arm has moved: {status:?}");
 }
 
 fn number_of_nanos(seconds: &str) -> i64 {

@@ -46,13 +46,18 @@ mod stand_in;
 
 pub use observed::{BenchCycle, ObservedCall};
 
+use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
+use asmotion_component::declaration::PortDeclaration;
 use asmotion_component::{
-    Activity, Component, Fault, Interface, Operation, PropertyError, ServiceFault, State, Wire,
+    Activity, Component, Fault, Interface, Operation, PropertyError, ServiceFault, State, Time,
+    Wire,
 };
-use asmotion_datum::{Datum, Message, Sample};
+use asmotion_datum::{Datum, Message, Sample, Schema, Shape};
+use asmotion_recording::RecordingError;
 use asmotion_runtime::{BuildError, Run, RunError, SentCall, Simulation, System};
 
 use observed::{Recorder, TESTED};
@@ -74,6 +79,8 @@ pub struct Bench {
     recorder: Recorder,
     answers: Answers,
     problem: Option<BenchError>,
+    /// Inputs of the component.
+    inputs: Vec<PortDeclaration>,
 }
 
 enum Stage {
@@ -93,6 +100,14 @@ pub enum BenchError {
     /// There is no such input, service or property, or the value does not fit.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A recording cannot be read.
+    #[error("{file}: {error}")]
+    Recording {
+        /// The file.
+        file: String,
+        /// The reason.
+        error: Box<RecordingError>,
+    },
     /// The component does not run: its `configure` or `start` failed, or an earlier cycle.
     #[error("the component does not run, it is {state}{}", reason(fault))]
     NotRunning {
@@ -115,6 +130,8 @@ impl Bench {
         let (mut system, recorder, answers) = (System::new(), Recorder::new(), Answers::default());
         let added = add(&mut system, new, &answers);
         system.observe(recorder.clone());
+        let declaration = system.id(TESTED).and_then(|it| system.declaration(it));
+        let inputs = declaration.map_or_else(Vec::new, |it| it.inputs.clone());
         let (stage, problem) = match added {
             Ok(()) => (Stage::Setup(system), None),
             Err(error) => (Stage::Broken, Some(error.into())),
@@ -125,12 +142,13 @@ impl Bench {
             recorder,
             answers,
             problem,
+            inputs,
         }
     }
 
-    /// Sets the time between the beginnings of two cycles, 10 ms by default.
+    /// Sets the time between the beginnings of two cycles: 10 ms by default, at least 1 ns.
     pub fn period(&mut self, period: Duration) -> &mut Self {
-        self.period = period;
+        self.period = period.max(Duration::from_nanos(1));
         self
     }
 
@@ -160,13 +178,56 @@ impl Bench {
         self.give_sample(input, Arc::new(sample))
     }
 
+    /// Gives the samples of a port of a recording (`asmotion run --record FILE.csv`) to an input, each in the first cycle at
+    /// or after its time. Time begins at zero with the first cycle, on the bench as in a recorded run in virtual time.
+    ///
+    /// ```no_run
+    /// # use std::time::Duration;
+    /// # fn test(mut bench: asmotion_bench::Bench) -> Result<(), asmotion_bench::BenchError> {
+    /// bench.give_recorded("commands", "arm.csv", "Driver.commands");
+    /// let cycles = bench.run_for(Duration::from_secs(5))?;
+    /// # Ok(()) }
+    /// ```
+    pub fn give_recorded(&mut self, input: &str, file: impl AsRef<Path>, port: &str) -> &mut Self {
+        let result = self.inject_recorded(input, file.as_ref(), port);
+        self.keep(result)
+    }
+
+    fn inject_recorded(&mut self, input: &str, file: &Path, port: &str) -> Result<(), BenchError> {
+        let declared = self.inputs.iter().find(|declared| declared.name == input);
+        // an input that is not declared is found by the injection, which suggests another
+        let schema = declared.map_or_else(|| Schema::plain(Shape::Any), |it| it.schema.clone());
+        let samples = File::open(file).map_err(|error| RecordingError::Unreadable {
+            reason: error.to_string(),
+        });
+        let samples = samples.and_then(|it| asmotion_recording::read_samples(it, port, &schema));
+        let samples = samples.map_err(|error| BenchError::Recording {
+            file: file.display().to_string(),
+            error: Box::new(error),
+        })?;
+        for (at, sample) in samples {
+            self.inject(input, Some(at), Arc::new(sample))?;
+        }
+        Ok(())
+    }
+
     fn give_sample(&mut self, input: &str, sample: Arc<dyn Sample>) -> &mut Self {
-        let port = format!("{TESTED}.{input}");
-        let result = match self.started() {
-            Some(run) => run.inject_sample(run.now(), &port, sample),
-            None => Ok(()),
+        let result = self.inject(input, None, sample);
+        self.keep(result)
+    }
+
+    /// Injects a sample at a time, without one now.
+    fn inject(
+        &mut self,
+        input: &str,
+        at: Option<Time>,
+        sample: Arc<dyn Sample>,
+    ) -> Result<(), BenchError> {
+        let Some(run) = self.started() else {
+            return Ok(());
         };
-        self.keep(result.map_err(BenchError::from))
+        let port = format!("{TESTED}.{input}");
+        Ok(run.inject_sample(at.unwrap_or(run.now()), &port, sample)?)
     }
 
     /// Answers all calls of an operation through a reference, from now on. The answers arrive in the cycle after the call.
@@ -226,6 +287,20 @@ impl Bench {
             Some(problem) => Err(problem),
             None => Ok(self.recorder.take(at, state)),
         }
+    }
+
+    /// Runs cycles as long as they begin within a duration, and returns what the component did in each.
+    ///
+    /// # Errors
+    /// As [`cycle`](Self::cycle), for the first cycle that fails.
+    pub fn run_for(&mut self, duration: Duration) -> Result<Vec<BenchCycle>, BenchError> {
+        let mut cycles = Vec::new();
+        let mut passed = Duration::ZERO;
+        while passed < duration {
+            cycles.push(self.cycle()?);
+            passed += self.period;
+        }
+        Ok(cycles)
     }
 
     /// Stops the component, and returns what it did in its last cycle.

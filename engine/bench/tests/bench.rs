@@ -7,6 +7,7 @@
     reason = "a test fails by panicking"
 )]
 
+use std::path::Path;
 use std::time::Duration;
 
 use asmotion_bench::{Bench, BenchError};
@@ -130,6 +131,34 @@ fn samples_properties_and_time() {
     assert_eq!(cycle.state, State::Running);
     assert!(bench.cycle().unwrap().written().is_empty());
     assert_eq!(bench.stop().unwrap().state, State::Stopped);
+}
+
+#[test]
+fn recorded_inputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("numbers.csv");
+    let table =
+        "time_s,Source.number.value\n0.000000000,1\n0.020000000,2\n0.025000000,3\n0.030000000,4\n";
+    std::fs::write(&file, table).unwrap();
+    let mut bench = Bench::new(Multiplier::new);
+    bench.give_recorded("number", &file, "Source.number");
+    let cycles = bench.run_for(Duration::from_millis(35)).unwrap();
+    let products = cycles.iter().map(|it| values(it.outputs("product")));
+    let expected = [vec![3.0], vec![], vec![6.0], vec![9.0, 12.0]];
+    assert!(products.eq(expected), "{cycles:?}");
+    let error = |input: &str, file: &Path, port: &str| {
+        let mut bench = Bench::new(Multiplier::new);
+        let error = bench.give_recorded(input, file, port).cycle().unwrap_err();
+        error.to_string()
+    };
+    assert!(error("nummer", &file, "Source.number").contains("did you mean `Tested.number`"));
+    assert!(error("number", &file, "Source.nummer").contains("no port `Source.nummer`"));
+    let missing = folder.path().join("missing.csv");
+    let missing = error("number", &missing, "Source.number");
+    assert!(
+        missing.contains("missing.csv: cannot be read: No such file"),
+        "{missing}"
+    );
 }
 
 #[test]

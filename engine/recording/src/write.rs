@@ -1,4 +1,4 @@
-//! A run as a table of port values: a column for each number, a row for each instant.
+//! Writes recordings.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -7,6 +7,10 @@ use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_runtime::Event;
 
+/// Name of the first column.
+pub(crate) const TIME: &str = "time_s";
+/// Last part of the name of a column with the length of a long list.
+pub(crate) const COUNT: &str = "count";
 /// Maximum length of a list that is recorded by element; of longer lists only the length is recorded.
 const WIDE: usize = 64;
 
@@ -96,7 +100,7 @@ impl PortRecording {
     pub fn write(&self, to: impl Write) -> csv::Result<()> {
         let mut table = csv::Writer::from_writer(to);
         let columns = self.columns.iter().map(String::as_str);
-        table.write_record(std::iter::once("time_s").chain(columns))?;
+        table.write_record(std::iter::once(TIME).chain(columns))?;
         for row in &self.rows {
             let cell = |column| row.cells.get(&column).map_or("", String::as_str);
             let cells = (0..self.columns.len()).map(cell);
@@ -144,7 +148,7 @@ fn flatten(path: &str, datum: &Datum, values: &mut Vec<(String, String)>) {
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
             let count = datum.count().unwrap_or(0);
             if count > WIDE {
-                values.push((format!("{path}.count"), count.to_string()));
+                values.push((format!("{path}.{COUNT}"), count.to_string()));
                 return;
             }
             for index in 0..count {
