@@ -33,6 +33,7 @@ mod person;
 mod pictures;
 mod processes;
 mod programs;
+mod programs_cpp;
 mod reconfigure;
 mod repl;
 mod robots;

@@ -105,8 +105,7 @@ fn python_runs_them() {
 
 #[test]
 fn a_cpp_compiler_accepts_them() {
-    if !is_installed("c++") {
-        eprintln!("without c++ the headers are not compiled");
+    if !asmotion_skip::has_compiler() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -132,21 +131,80 @@ fn a_cpp_compiler_accepts_them() {
     compile(&mut compiler(&check("0.0")), false);
 }
 
+/// A component with an input of every message, and a reference to a service of every interface, of `types.hpp`.
+fn everything(types: &str) -> String {
+    let mut text = "#include \"asmotion.hpp\"\n#include \"types.hpp\"\n\
+                    struct All : asmotion::Component {\n"
+        .to_owned();
+    let mut package = "";
+    let mut count = 0;
+    for line in types.lines() {
+        if let Some(name) = line.strip_prefix("namespace ") {
+            package = name.trim_end_matches(" {");
+        }
+        let Some(class) = line.strip_prefix("struct ") else {
+            continue;
+        };
+        let class = class.trim_end_matches(" {");
+        let is_message = types.contains(&format!("message_name = \"{package}/{class}\""));
+        let part = if is_message { "In" } else { "Reference" };
+        text +=
+            &format!("    asmotion::{part}<{package}::{class}> p{count}{{this, \"p{count}\"}};\n");
+        count += 1;
+    }
+    assert!(count > 40, "{text}");
+    text + "};\nint main() { return asmotion::run<All>(); }\n"
+}
+
 #[test]
-fn a_typescript_compiler_accepts_them() {
-    if !is_installed("tsc") {
-        eprintln!("without tsc the TypeScript is not compiled");
+fn a_component_in_cpp_declares_them_as_the_engine_knows_them() {
+    if !asmotion_skip::has_compiler() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    for file in files(folder.path(), "--typescript", "ts") {
-        let mut command = Command::new("tsc");
-        command.args(["--strict", "--noEmit"]).arg(&file);
-        compile(&mut command, true);
-        let text = std::fs::read_to_string(&file).unwrap();
-        std::fs::write(&file, format!("{text}const wrong: Float = true;\n")).unwrap();
-        compile(&mut command, false);
+    let main = folder.path().join("all.cpp");
+    let types = source("--messages", "--cpp");
+    std::fs::write(&main, everything(&types)).unwrap();
+    std::fs::write(folder.path().join("types.hpp"), types).unwrap();
+    let mut command = Command::new("c++");
+    command.args([
+        "-std=c++17",
+        "-Wall",
+        "-Wextra",
+        "-Wpedantic",
+        "-Werror",
+        "-I",
+    ]);
+    command.arg(root().join("cpp")).arg(&main).arg("-o");
+    compile(command.arg(folder.path().join("all")), true);
+    let composite = folder.path().join("all.composite.toml");
+    let all = "schema = \"composite/1\"\n[composite]\nname = \"all\"\n[components.All]\n\
+               implementation = { process = \"./all\" }\nactivity = { period_ms = 100 }\n";
+    std::fs::write(&composite, all).unwrap();
+    let mut check = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    check.args(["check", "--format", "concise"]).arg(&composite);
+    let output = check.output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("input `p0`"), "{said}");
+    let mut errors = said.lines().filter(|line| line.contains("error["));
+    // of the references, which have no wires
+    assert!(errors.all(|line| line.contains("C031")), "{said}");
+}
+
+#[test]
+fn a_typescript_compiler_accepts_them() {
+    if !is_installed("tsc") {
+        asmotion_skip::TYPESCRIPT.skip();
+        return;
     }
+    let folder = tempfile::tempdir().unwrap();
+    let files = files(folder.path(), "--typescript", "ts");
+    let mut command = Command::new("tsc");
+    compile(command.args(["--strict", "--noEmit"]).args(&files), true);
+    let text = std::fs::read_to_string(&files[0]).unwrap();
+    std::fs::write(&files[0], format!("{text}const wrong: Float = true;\n")).unwrap();
+    let mut command = Command::new("tsc");
+    compile(command.args(["--strict", "--noEmit"]).arg(&files[0]), false);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Message types as structs of C++17, in a namespace for each package.
+//! Message types and interfaces as structs of C++17, in a namespace for each package, in the form that `cpp/asmotion.hpp`
+//! reads and writes.
 
 use asmotion_datum::Datum;
 
@@ -105,6 +106,18 @@ const KEYWORDS: &[&str] = &[
     "xor_eq",
 ];
 
+/// Names of members that every record has.
+const IN_RECORD: &[&str] = &["fields", "message_name"];
+
+/// Names of members that every interface and its operations have.
+const IN_INTERFACE: &[&str] = &[
+    "interface_name",
+    "operation_name",
+    "operations",
+    "request",
+    "response",
+];
+
 impl TargetLanguage for Cpp {
     fn head(&self, _: &MessageTypes, title: &str, command: &str) -> String {
         let headers = [
@@ -132,30 +145,62 @@ impl TargetLanguage for Cpp {
         for field in &record.fields {
             body.push_str(&declaration(field, types));
         }
+        body.push_str(&visit_fields(record));
         body.push_str("};\n");
         in_namespace(&record.name, &body)
     }
 
     fn interface(&self, interface: &InterfaceType, types: &MessageTypes) -> String {
-        let class = &interface.class;
         let name = quoted(&interface.name);
         let mut body = format!("/// The interface `{}`.\n", interface.name);
-        body.push_str(&format!("class {class} {{\npublic:\n"));
+        body.push_str(&format!("struct {} {{\n", interface.class));
         body.push_str(&format!(
             "    static constexpr const char* interface_name = {name};\n"
         ));
-        body.push_str(&format!("    virtual ~{class}() = default;\n"));
+        let taken = [KEYWORDS, IN_INTERFACE, &[interface.class.as_str()]].concat();
+        let mut visits = String::new();
         for operation in &interface.operations {
+            let class = identifier(&operation.name, &taken);
             let request = type_text(&operation.request, types);
             let response = type_text(&operation.response, types);
-            let name = identifier(&operation.name, KEYWORDS);
+            let name = quoted(&operation.name);
             body.push_str(&format!(
-                "    virtual {response} {name}(const {request}& request) = 0;\n"
+                "\n    struct {class} {{\n        static constexpr const char* operation_name = {name};\n        \
+                 using request = {request};\n        using response = {response};\n    }};\n"
             ));
+            visits.push_str(&format!("        visit({class}{{}});\n"));
         }
+        body.push_str(&visitor(
+            "operations",
+            "an object of each operation",
+            &visits,
+        ));
         body.push_str("};\n");
         in_namespace(&interface.name, &body)
     }
+}
+
+/// The function that shows the fields of a record to a visitor.
+fn visit_fields(record: &RecordType) -> String {
+    let visits = record.fields.iter().map(|field| {
+        let (name, doc) = (quoted(&field.name), quoted(&field.doc));
+        let member = member(field);
+        format!(
+            "        visit({name}, &{}::{member}, {doc});\n",
+            record.class
+        )
+    });
+    let shown = "name, member and description of each field";
+    visitor("fields", shown, &visits.collect::<String>())
+}
+
+/// A function that calls a visitor.
+fn visitor(name: &str, shown: &str, visits: &str) -> String {
+    let parameter = if visits.is_empty() { "" } else { " visit" };
+    format!(
+        "\n    /// Calls a visitor with {shown}.\n    template <class Visitor>\n    \
+         static constexpr void {name}(Visitor&&{parameter}) {{\n{visits}    }}\n"
+    )
 }
 
 /// The package of a name, as a namespace.
@@ -177,13 +222,18 @@ fn declaration(field: &RecordField, types: &MessageTypes) -> String {
     for line in field.doc.lines() {
         text.push_str(&format!("    /// {line}\n"));
     }
-    let name = identifier(&field.name, &[KEYWORDS, &["message_name"]].concat());
+    let name = member(field);
     let value = value(&field.data, &field.initial, types);
     text.push_str(&format!(
         "    {} {name}{{{value}}};\n",
         type_text(&field.data, types)
     ));
     text
+}
+
+/// The name of a field's member.
+fn member(field: &RecordField) -> String {
+    identifier(&field.name, &[KEYWORDS, IN_RECORD].concat())
 }
 
 fn type_text(data: &FieldType, types: &MessageTypes) -> String {

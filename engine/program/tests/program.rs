@@ -7,6 +7,8 @@
     reason = "tests"
 )]
 
+mod cpp;
+
 use std::path::Path;
 use std::time::Duration;
 

@@ -1,6 +1,8 @@
 //! For tests that need something that not every machine has. A skipped test says so past the test harness, which hides the output
 //! of tests that pass, and fails where the environment variable `CI` is set.
 
+mod compiler;
+
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -28,6 +30,20 @@ pub const PYTHON: Requirement<'_> = Requirement {
     name: "python",
     tests: "the tests with a program in Python",
     remedy: "Install the package `python3`, or run `./test`",
+};
+
+/// A compiler for C and C++.
+pub const CPP: Requirement<'_> = Requirement {
+    name: "cpp",
+    tests: "the tests with programs in C and C++",
+    remedy: "Install the package `g++`, or run `./test`",
+};
+
+/// The compiler of TypeScript.
+pub const TYPESCRIPT: Requirement<'_> = Requirement {
+    name: "typescript",
+    tests: "the tests of generated TypeScript",
+    remedy: "Install `tsc` with `npm install --global typescript@5`, or run `./test`",
 };
 
 /// RabbitMQ.
@@ -70,6 +86,27 @@ impl Requirement<'_> {
 
 fn must_fail(is_ci: bool, permitted: &str, name: &str) -> bool {
     is_ci && !permitted.split_whitespace().any(|word| word == name)
+}
+
+/// Returns whether a compiler for C and C++ is installed, and reports that tests are skipped if it is not.
+///
+/// # Panics
+/// See [`Requirement::skip`].
+pub fn has_compiler() -> bool {
+    let is_installed = compiler::is_installed();
+    if !is_installed {
+        CPP.skip();
+    }
+    is_installed
+}
+
+/// Compiles a program once for all tests of a build; `None`, with a notice, without a compiler. `source` is a path in the
+/// repository that ends with `.c` or `.cpp`.
+///
+/// # Panics
+/// The source does not compile without warnings. See also [`Requirement::skip`].
+pub fn compile(source: &str) -> Option<PathBuf> {
+    has_compiler().then(|| compiler::compile(source))
 }
 
 /// Returns the folder of ASMETA's specifications, which `ASMETA_CORPUS` names; `None`, with a notice, if it is not set.
