@@ -108,12 +108,7 @@ impl Build {
 
     /// See [`App::operation`](crate::App::operation).
     pub(crate) fn add_operation<O: Operation>(&mut self) {
-        let operation = OperationDeclaration {
-            name: O::NAME.to_owned(),
-            request: O::Request::schema().clone(),
-            response: O::Response::schema().clone(),
-            while_stopped: false,
-        };
+        let operation = OperationDeclaration::of::<O>();
         Arc::make_mut(&mut self.catalogue).add_operation(O::INTERFACE, &operation);
     }
 

@@ -65,7 +65,8 @@ fn a_project_with_a_specification_only() {
 #[test]
 fn a_project_in_python_passes_its_tests_and_missions() {
     let home = tempfile::tempdir().unwrap();
-    succeeds(home.path(), &["new", "left-arm", "--python"]);
+    let text = succeeds(home.path(), &["new", "left-arm", "--python"]);
+    assert!(text.contains("not on PyPI yet"), "{text}");
     let project = home.path().join("left-arm");
     succeeds(&project, &["new", "component", "wrist"]);
     assert!(!contents(&project).to_lowercase().contains("gripper"));
@@ -104,7 +105,8 @@ fn a_project_in_python_passes_its_tests_and_missions() {
 #[ignore = "compiles asmotion a second time, which takes minutes: CI runs it with `--ignored`"]
 fn a_project_in_rust_has_every_command_with_its_component() {
     let (home, source) = (tempfile::tempdir().unwrap(), env!("CARGO_MANIFEST_DIR"));
-    succeeds(home.path(), &["new", "left-arm", "--source", source]);
+    let text = succeeds(home.path(), &["new", "left-arm", "--source", source]);
+    assert!(!text.contains("not on crates.io"), "{text}");
     let project = home.path().join("left-arm");
     let text = succeeds(&project, &["new", "component", "wrist"]);
     assert!(
@@ -164,6 +166,14 @@ fn a_name_is_checked_and_nothing_is_overwritten() {
             "is not the source code of asmotion",
         ),
         (&["new", "arm", "--rust", "--python"], "cannot be used with"),
+        (
+            &["new", "arm", "--spec-only", "--source", "."],
+            "cannot be used with",
+        ),
+        (
+            &["new", "component", "arm", "--python"],
+            "the language of its project",
+        ),
     ] {
         let (code, text) = asmotion(home.path(), arguments);
         assert!(

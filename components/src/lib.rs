@@ -11,7 +11,7 @@
 
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface, Operation};
-use asmotion_datum::{Message, Schema};
+use asmotion_datum::Schema;
 use asmotion_messages::{
     DriverSetPeriod, DriverState, GetJointsPositions, GetMap, MoveTo, Notify, Plan,
     SetJointsPositions, SetPeriod, Solve,
@@ -50,21 +50,34 @@ pub type Operations = fn() -> Vec<OperationDeclaration>;
 
 /// All service interfaces by name.
 pub const INTERFACES: &[(&str, Operations)] = &[
-    (GetMap::INTERFACE, || vec![operation::<GetMap>()]),
-    (Plan::INTERFACE, || vec![operation::<Plan>()]),
-    (DriverState::INTERFACE, || {
-        vec![operation::<DriverSetPeriod>(), operation::<DriverState>()]
+    (GetMap::INTERFACE, || {
+        vec![OperationDeclaration::of::<GetMap>()]
     }),
-    (Solve::INTERFACE, || vec![operation::<Solve>()]),
-    (MoveTo::INTERFACE, || vec![operation::<MoveTo>()]),
-    (Notify::INTERFACE, || vec![operation::<Notify>()]),
+    (Plan::INTERFACE, || vec![OperationDeclaration::of::<Plan>()]),
+    (DriverState::INTERFACE, || {
+        vec![
+            OperationDeclaration::of::<DriverSetPeriod>(),
+            OperationDeclaration::of::<DriverState>(),
+        ]
+    }),
+    (Solve::INTERFACE, || {
+        vec![OperationDeclaration::of::<Solve>()]
+    }),
+    (MoveTo::INTERFACE, || {
+        vec![OperationDeclaration::of::<MoveTo>()]
+    }),
+    (Notify::INTERFACE, || {
+        vec![OperationDeclaration::of::<Notify>()]
+    }),
     (GetJointsPositions::INTERFACE, || {
-        vec![operation::<GetJointsPositions>()]
+        vec![OperationDeclaration::of::<GetJointsPositions>()]
     }),
     (SetJointsPositions::INTERFACE, || {
-        vec![operation::<SetJointsPositions>()]
+        vec![OperationDeclaration::of::<SetJointsPositions>()]
     }),
-    (SetPeriod::INTERFACE, || vec![operation::<SetPeriod>()]),
+    (SetPeriod::INTERFACE, || {
+        vec![OperationDeclaration::of::<SetPeriod>()]
+    }),
 ];
 
 /// The constructor of the component with this name.
@@ -85,15 +98,6 @@ pub fn message(name: &str) -> Option<&'static Schema> {
 fn row<T: Copy>(table: &[(&str, T)], name: &str) -> Option<T> {
     let (_, found) = table.iter().find(|(row, _)| *row == name)?;
     Some(*found)
-}
-
-fn operation<O: Operation>() -> OperationDeclaration {
-    OperationDeclaration {
-        while_stopped: false,
-        name: O::NAME.to_owned(),
-        request: O::Request::schema().clone(),
-        response: O::Response::schema().clone(),
-    }
 }
 
 #[cfg(test)]

@@ -36,18 +36,25 @@ def read(file: str | os.PathLike[str], name: str, form: Form) -> list[tuple[int,
 
 def _columns(head: list[str], name: str) -> dict[int, tuple[str, ...]]:
     """Returns the columns of a port with their paths in its samples."""
-    found = {index: tuple(column[len(name) + 1 :].split(".")) for index, column in enumerate(head) if column.startswith(f"{name}.")}
+    found: dict[int, tuple[str, ...]] = {}
+    for index, column in enumerate(head):
+        if column == name:  # samples without parts
+            found[index] = ()
+        elif column.startswith(f"{name}."):
+            found[index] = tuple(column[len(name) + 1 :].split("."))
     if not found:
         ports = sorted({".".join(column.split(".")[:2]) for column in head[1:]})
         raise LookupError(f"the recording has no port `{name}`; it has {', '.join(f'`{port}`' for port in ports) or 'none'}")
-    siblings = {path[:-1] for path in found.values() if path[-1].isdigit()}
+    siblings = {path[:-1] for path in found.values() if path and path[-1].isdigit()}
     for path in found.values():
-        if path[-1] == "count" and path[:-1] not in siblings and len(path) > 1:
+        if len(path) > 1 and path[-1] == "count" and path[:-1] not in siblings:
             raise ValueError(f"of long lists such as `{'.'.join(path[:-1])}` of `{name}`, only the length is recorded")
     return found
 
 
 def _tree(cells: dict[tuple[str, ...], str]) -> Any:
+    if () in cells:
+        return cells[()]
     tree: dict[str, Any] = {}
     for path, cell in cells.items():
         here = tree

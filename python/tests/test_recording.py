@@ -63,6 +63,16 @@ class Recordings(unittest.TestCase):
         bench.cycle()
         self.assertEqual(bench.component.any.read(), {"name": 12, "at": {"sec": 0}, "joints": [0.5], "ok": True})
 
+    def test_a_sample_without_parts_is_one_column(self):
+        with open(self.file, "w") as out:
+            out.write("time_s,Tank.level,Tank.level_set\n0.000000000,0.5,7\n0.100000000,,8\n0.150000000,-1,\n")
+        bench = Bench(Reader).give_recorded(self.file, any="Tank.level")
+        seen = []
+        for _ in range(3):
+            bench.cycle()
+            seen.append(list(bench.component.any.all()))
+        self.assertEqual(seen, [[0.5], [-1], []])
+
     def test_mistakes_name_what_there_is(self):
         bench = Bench(Reader)
         with self.assertRaisesRegex(LookupError, "no port `Arm.stat`; it has `Arm.scan`, `Arm.state`"):

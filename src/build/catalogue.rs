@@ -88,30 +88,11 @@ impl BuildCatalogue {
 
     /// Adds the message types in a schema. A type of which only the name is known is not added.
     pub(super) fn add_message(&mut self, schema: &Schema) {
-        match &schema.shape {
-            Shape::Record(fields) => {
-                for field in fields {
-                    self.add_message(&field.schema);
-                }
-            }
-            Shape::Option(element) | Shape::List(element) | Shape::Array(element, _) => {
-                return self.add_message(element);
-            }
-            Shape::Any
-            | Shape::Bool
-            | Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64
-            | Shape::F32
-            | Shape::F64
-            | Shape::Text => return,
+        for part in schema.parts() {
+            self.add_message(part);
         }
-        if schema.name.is_empty() {
+        let is_record = matches!(schema.shape, Shape::Record(_));
+        if !is_record || schema.name.is_empty() {
             return;
         }
         match find(&self.messages, &schema.name) {

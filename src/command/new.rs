@@ -30,8 +30,8 @@ pub struct New {
     #[arg(long, group = "kind")]
     spec_only: bool,
 
-    /// Folder with the source code of asmotion, which a project in Rust then depends on in place of the published version
-    #[arg(long, value_name = "FOLDER")]
+    /// Folder with the source code of asmotion, which the project then depends on in place of the published version
+    #[arg(long, value_name = "FOLDER", conflicts_with = "spec_only")]
     source: Option<PathBuf>,
 }
 
@@ -39,6 +39,7 @@ pub struct New {
 struct Creation {
     created: Vec<PathBuf>,
     changed: Vec<PathBuf>,
+    note: Option<&'static str>,
     next: String,
 }
 
@@ -60,6 +61,9 @@ impl New {
                 }
                 for path in done.changed {
                     terminal.status("Changed", path.display());
+                }
+                if let Some(note) = done.note {
+                    terminal.status("Note", note);
                 }
                 terminal.status("Next", done.next);
                 Exit::Ok
@@ -87,11 +91,21 @@ impl New {
         Ok(Creation {
             created: write(&folder, &files)?,
             changed: Vec::new(),
-            next: format!("cd {} && {}", name.kebab(), kind.first_command()),
+            note: kind.unpublished().filter(|_| source.is_none()),
+            next: format!(
+                "cd {} && {}",
+                name.kebab(),
+                kind.first_commands(source.as_deref())
+            ),
         })
     }
 
     fn component(&self, name: &str) -> Result<Creation, String> {
+        if self.rust || self.python || self.spec_only || self.source.is_some() {
+            return Err(
+                "a component has the language of its project: leave out the flags".to_owned(),
+            );
+        }
         let name = ProjectName::parse(name)?;
         let (files, changes, next) = component::files(Path::new("."), &name)?;
         let created = write(Path::new(""), &files)?;
@@ -105,6 +119,7 @@ impl New {
         Ok(Creation {
             created,
             changed,
+            note: None,
             next,
         })
     }

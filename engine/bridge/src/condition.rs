@@ -107,23 +107,15 @@ impl MessageCondition {
         let ConditionTest::Compare(_, constant) = &self.test else {
             return true;
         };
-        match &part.shape {
-            Shape::Any => true,
-            Shape::Bool => matches!(constant, Datum::Bool(_)),
-            Shape::Text => matches!(constant, Datum::Text(_)),
-            Shape::List(element) | Shape::Array(element, _) => self.applies_to(element),
-            Shape::Option(_) | Shape::Record(_) => false,
-            Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64
-            | Shape::F32
-            | Shape::F64 => matches!(constant, Datum::Float(_)),
+        let shape = &part.shape;
+        if let Shape::List(element) | Shape::Array(element, _) = shape {
+            return self.applies_to(element);
         }
+        let (is_bool, is_text) = (*shape == Shape::Bool, *shape == Shape::Text);
+        *shape == Shape::Any
+            || (is_bool && matches!(constant, Datum::Bool(_)))
+            || (is_text && matches!(constant, Datum::Text(_)))
+            || (shape.is_number() && matches!(constant, Datum::Float(_)))
     }
 
     /// Returns whether the condition holds for a message.

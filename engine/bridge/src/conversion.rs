@@ -111,35 +111,6 @@ impl Conversion {
     }
 }
 
-/// The schema of a part of a message; `None` if there is no such part.
-pub fn field_schema(schema: &Schema, path: &str) -> Option<Schema> {
-    let mut current = schema;
-    for step in path.split('.').filter(|step| !step.is_empty()) {
-        current = match &current.shape {
-            Shape::Record(fields) => &fields.iter().find(|field| field.name == step)?.schema,
-            Shape::List(element) | Shape::Array(element, _) => {
-                step.parse::<usize>().ok()?;
-                element
-            }
-            Shape::Option(some) => some,
-            Shape::Any => return Some(current.clone()),
-            Shape::Bool
-            | Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64
-            | Shape::F32
-            | Shape::F64
-            | Shape::Text => return None,
-        };
-    }
-    Some(current.clone())
-}
-
 fn by_name(source: &[OutlineKey], target: &[OutlineKey], usage: Use) -> Option<Conversion> {
     let required = match usage {
         Use::All => source,
@@ -191,20 +162,7 @@ fn count(shape: &Shape) -> Option<usize> {
 
 /// Returns whether numbers of one type may be converted to another. Each value is still checked.
 fn widens(from: &Shape, to: &Shape) -> bool {
-    let whole = |shape: &Shape| {
-        matches!(
-            shape,
-            Shape::I8
-                | Shape::I16
-                | Shape::I32
-                | Shape::I64
-                | Shape::U8
-                | Shape::U16
-                | Shape::U32
-                | Shape::U64
-        )
-    };
-    let real = |shape: &Shape| matches!(shape, Shape::F32 | Shape::F64);
+    let (whole, real) = (Shape::is_integer, Shape::is_float);
     from == to || (whole(from) && (whole(to) || real(to))) || (real(from) && real(to))
 }
 

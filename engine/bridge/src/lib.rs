@@ -8,7 +8,7 @@ mod fit;
 mod proxy;
 
 pub use condition::{ConditionError, MessageCondition};
-pub use conversion::{Conversion, Use, field_schema};
+pub use conversion::{Conversion, Use};
 pub use fit::{SchemaMisfit, check_fit};
 pub use proxy::{
     IdleCriterion, Mapped, PortProxy, ProxyNotification, ProxyPort, ProxySettings, ReplyMode,

@@ -1,9 +1,10 @@
 //! A component's declaration as plain data, for checks, introspection and documentation.
 
-use asmotion_datum::{Datum, Schema};
+use asmotion_datum::{Datum, Message, Schema};
 use serde::{Deserialize, Serialize};
 
 use crate::conversion::PropertyConversion;
+use crate::operation::Operation;
 
 /// The declarations of a component's constructor.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -85,6 +86,28 @@ pub struct OperationDeclaration {
     /// Whether it is also answered while the component is stopped.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub while_stopped: bool,
+}
+
+impl OperationDeclaration {
+    /// The declaration of an operation of the program; not answered while stopped.
+    pub fn of<O: Operation>() -> Self {
+        Self {
+            name: O::NAME.to_owned(),
+            request: O::Request::schema().clone(),
+            response: O::Response::schema().clone(),
+            while_stopped: false,
+        }
+    }
+
+    /// An operation of which only the name is known.
+    pub fn opaque(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            request: Schema::opaque(""),
+            response: Schema::opaque(""),
+            while_stopped: false,
+        }
+    }
 }
 
 /// Declaration of a property.

@@ -157,7 +157,13 @@ impl Interface {
 
     /// Declares an operation that the component provides as part of a service. A service may have several operations.
     pub fn serve<O: Operation>(&mut self, service: &str, doc: &str) -> Provided<O> {
-        self.add_provided(service, O::INTERFACE, operation::<O>(), None, doc)
+        self.add_provided(
+            service,
+            O::INTERFACE,
+            OperationDeclaration::of::<O>(),
+            None,
+            doc,
+        )
     }
 
     /// Marks an operation as answered while the component is stopped too, by
@@ -187,8 +193,13 @@ impl Interface {
             handler(argument).map(|response| Arc::new(response) as Arc<dyn Sample>)
         };
         let handler: Handler = Arc::new(handler);
-        let of: Provided<O> =
-            self.add_provided(service, O::INTERFACE, operation::<O>(), Some(handler), doc);
+        let of: Provided<O> = self.add_provided(
+            service,
+            O::INTERFACE,
+            OperationDeclaration::of::<O>(),
+            Some(handler),
+            doc,
+        );
         // the handle is of no further use: no request reaches the component
         self.while_stopped(of);
     }
@@ -201,7 +212,13 @@ impl Interface {
         operation: &str,
         doc: &str,
     ) -> Provided<Dynamic> {
-        self.add_provided(service, interface, operation_of(operation), None, doc)
+        self.add_provided(
+            service,
+            interface,
+            OperationDeclaration::opaque(operation),
+            None,
+            doc,
+        )
     }
 
     /// Declares a provided operation that passes [`Datum`] values of types known at run time.
@@ -217,7 +234,12 @@ impl Interface {
 
     /// Declares an operation that the component calls through a reference. A reference may have several operations.
     pub fn require<O: Operation>(&mut self, reference: &str, doc: &str) -> Required<O> {
-        self.add_required(reference, O::INTERFACE, operation::<O>(), doc)
+        self.add_required(
+            reference,
+            O::INTERFACE,
+            OperationDeclaration::of::<O>(),
+            doc,
+        )
     }
 
     /// Declares a called operation whose types are known only at run time.
@@ -228,7 +250,12 @@ impl Interface {
         operation: &str,
         doc: &str,
     ) -> Required<Dynamic> {
-        self.add_required(reference, interface, operation_of(operation), doc)
+        self.add_required(
+            reference,
+            interface,
+            OperationDeclaration::opaque(operation),
+            doc,
+        )
     }
 
     /// Declares a called operation that passes [`Datum`] values of types known at run time.
@@ -408,24 +435,6 @@ fn port(name: &str, schema: Schema, doc: &str) -> PortDeclaration {
         schema,
         doc: doc.to_owned(),
         safe: None,
-    }
-}
-
-fn operation<O: Operation>() -> OperationDeclaration {
-    OperationDeclaration {
-        name: O::NAME.to_owned(),
-        request: O::Request::schema().clone(),
-        response: O::Response::schema().clone(),
-        while_stopped: false,
-    }
-}
-
-fn operation_of(name: &str) -> OperationDeclaration {
-    OperationDeclaration {
-        name: name.to_owned(),
-        request: Datum::schema().clone(),
-        response: Datum::schema().clone(),
-        while_stopped: false,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Conversions of a port-proxy between arguments, messages, results and events; used by the checker and the planner.
 
-use asmotion_bridge::{Conversion, Use, field_schema};
+use asmotion_bridge::{Conversion, Use};
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
@@ -14,18 +14,18 @@ pub fn conversion(
 ) -> Option<Conversion> {
     let path = entry.field.as_ref().map(ToString::to_string);
     let path = path.as_deref();
-    let part = field_schema(message, path.unwrap_or_default())?;
+    let part = message.part_at(path.unwrap_or_default())?;
     match entry.mode.value {
         ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => {
-            let argument = Conversion::between(&operation.request, &part, Use::All)?;
+            let argument = Conversion::between(&operation.request, part, Use::All)?;
             Some(Conversion::at_path(path, argument, Use::All))
         }
         ProxyMode::Last => {
-            let result = Conversion::between(&part, &operation.response, Use::Fill)?;
+            let result = Conversion::between(part, &operation.response, Use::Fill)?;
             Some(Conversion::at_path(path, result, Use::Fill))
         }
         ProxyMode::All => {
-            let parts = Schema::many(part, None);
+            let parts = Schema::many(part.clone(), None);
             let result = Conversion::between(&parts, &operation.response, Use::Fill)?;
             let part = Conversion::at_path(path, Conversion::Same, Use::Fill);
             Some(part.each().then(result))

@@ -85,6 +85,24 @@ pub struct SchemaDifference {
     pub right: String,
 }
 
+impl Shape {
+    /// Tests whether data of this shape are integers, signed or not.
+    pub fn is_integer(&self) -> bool {
+        let is_signed = matches!(self, Self::I8 | Self::I16 | Self::I32 | Self::I64);
+        is_signed || matches!(self, Self::U8 | Self::U16 | Self::U32 | Self::U64)
+    }
+
+    /// Tests whether data of this shape are floats.
+    pub fn is_float(&self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// Tests whether data of this shape are numbers.
+    pub fn is_number(&self) -> bool {
+        self.is_integer() || self.is_float()
+    }
+}
+
 impl Schema {
     /// A schema without a type name.
     pub fn plain(shape: Shape) -> Self {
@@ -117,6 +135,101 @@ impl Schema {
             Some(count) => Shape::Array(element, count),
             None => Shape::List(element),
         })
+    }
+
+    /// The schemas of the parts: of the fields of a record, in order; otherwise of the value of an option or the element of a
+    /// list. Other shapes have no parts.
+    pub fn parts(&self) -> impl Iterator<Item = &Self> {
+        self.element()
+            .into_iter()
+            .chain(self.own_fields().iter().map(|field| &field.schema))
+    }
+
+    /// As [`parts`](Self::parts), to change them.
+    pub fn parts_mut(&mut self) -> impl Iterator<Item = &mut Self> {
+        let (mut element, mut fields) = (None, None);
+        match &mut self.shape {
+            Shape::Option(part) | Shape::List(part) | Shape::Array(part, _) => {
+                element = Some(&mut **part);
+            }
+            Shape::Record(own) => fields = Some(own.iter_mut().map(|field| &mut field.schema)),
+            Shape::Any
+            | Shape::Bool
+            | Shape::I8
+            | Shape::I16
+            | Shape::I32
+            | Shape::I64
+            | Shape::U8
+            | Shape::U16
+            | Shape::U32
+            | Shape::U64
+            | Shape::F32
+            | Shape::F64
+            | Shape::Text => {}
+        }
+        element.into_iter().chain(fields.into_iter().flatten())
+    }
+
+    /// The fields of a record, or of an optional record; empty for other shapes.
+    pub fn fields(&self) -> &[OutlineKey] {
+        self.without_option().own_fields()
+    }
+
+    /// The schema of a part, by the name of a field or the index of an element, as in [`Datum::get`]: an optional value has
+    /// the parts of its value. Every part of unknown data is unknown. Returns `None` if there is no such part.
+    pub fn part(&self, step: &str) -> Option<&Self> {
+        let inner = self.without_option();
+        if inner.shape == Shape::Any {
+            return Some(inner);
+        }
+        if let Some(element) = inner.element() {
+            let index: usize = step.parse().ok()?;
+            let is_inside = !matches!(inner.shape, Shape::Array(_, count) if index >= count);
+            return is_inside.then_some(element);
+        }
+        let field = inner.own_fields().iter().find(|field| field.name == step)?;
+        Some(&field.schema)
+    }
+
+    /// The schema at a path of steps with dots between them; see [`part`](Self::part). The empty path leads to the schema
+    /// itself.
+    ///
+    /// ```
+    /// use asmotion_datum::{OutlineKey, Schema, Shape};
+    ///
+    /// let joint = Schema::record("example/Joint", vec![OutlineKey::new("angle", "rad", Schema::plain(Shape::F64))]);
+    /// let arm = Schema::record("example/Arm", vec![OutlineKey::new("joints", "", Schema::many(joint, Some(5)))]);
+    /// assert_eq!(arm.part_at("joints.4.angle"), Some(&Schema::plain(Shape::F64)));
+    /// assert_eq!(arm.part_at("joints.5.angle"), None);
+    /// ```
+    pub fn part_at(&self, path: &str) -> Option<&Self> {
+        let mut steps = path.split('.').filter(|step| !step.is_empty());
+        steps.try_fold(self, |schema, step| schema.part(step))
+    }
+
+    /// The schema of the value of an option, at any depth; otherwise the schema itself.
+    pub fn without_option(&self) -> &Self {
+        if let Shape::Option(some) = &self.shape {
+            some.without_option()
+        } else {
+            self
+        }
+    }
+
+    fn element(&self) -> Option<&Self> {
+        if let Shape::Option(part) | Shape::List(part) | Shape::Array(part, _) = &self.shape {
+            Some(part)
+        } else {
+            None
+        }
+    }
+
+    fn own_fields(&self) -> &[OutlineKey] {
+        if let Shape::Record(fields) = &self.shape {
+            fields
+        } else {
+            &[]
+        }
     }
 
     /// The zero of this shape. For a record it is empty: omitted fields have their initial values.

@@ -1,7 +1,7 @@
 //! Messages through every representation.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
-use asmotion_datum::{Codec, Datum, Message, Numbers, Shape, cbor, json};
+use asmotion_datum::{Codec, Datum, Message, Numbers, OutlineKey, Schema, Shape, cbor, json};
 
 asmotion_datum::message! {
     /// A vector.
@@ -348,4 +348,57 @@ fn a_check_covers_the_messages_in_all_fields_and_names_the_place() {
         format!("`maybe.{end}")
     );
     assert!(std::sync::Arc::new(bad()).check().is_err());
+}
+
+#[test]
+fn a_path_leads_to_the_same_part_of_data_and_of_their_schema() {
+    let number = || Schema::plain(Shape::F64);
+    let point = Schema::record("example/Point", vec![OutlineKey::new("x", "m", number())]);
+    let maybe = Schema::plain(Shape::Option(Box::new(point.clone())));
+    let fields = vec![
+        OutlineKey::new("goal", "", maybe.clone()),
+        OutlineKey::new("path", "", Schema::many(maybe, None)),
+        OutlineKey::new("corners", "", Schema::many(point.clone(), Some(2))),
+        OutlineKey::new("other", "", Schema::plain(Shape::Any)),
+    ];
+    let schema = Schema::record("example/Plan", fields);
+    let at = || Datum::record([("x", Datum::Float(0.5))]);
+    let plan = Datum::record([
+        ("goal", at()),
+        ("path", Datum::List(vec![at()])),
+        ("corners", Datum::List(vec![at(), at()])),
+        ("other", Datum::record([("y", at())])),
+    ]);
+    schema.accepts(&plan).unwrap();
+    for path in ["goal.x", "path.0.x", "corners.1.x"] {
+        assert_eq!(schema.part_at(path), Some(&number()), "{path}");
+        assert_eq!(
+            plan.get(path).as_deref(),
+            Some(&Datum::Float(0.5)),
+            "{path}"
+        );
+    }
+    assert_eq!(
+        schema.part_at("path.0").map(|it| it.fields().len()),
+        Some(1)
+    );
+    assert_eq!(schema.part_at("corners.1"), Some(&point));
+    assert_eq!(schema.part_at(""), Some(&schema));
+    for path in ["goal.goal", "goal.x.x", "corners.2", "path.x", "gaol"] {
+        assert_eq!(
+            (schema.part_at(path), plan.get(path)),
+            (None, None),
+            "{path}"
+        );
+    }
+    assert_eq!(
+        schema.part_at("other.y.x").map(|it| &it.shape),
+        Some(&Shape::Any)
+    );
+    assert_eq!(schema.parts().count(), 4);
+    let mut changed = schema.clone();
+    for part in changed.parts_mut() {
+        *part = number();
+    }
+    assert!(changed.parts().all(|part| *part == number()));
 }

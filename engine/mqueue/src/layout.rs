@@ -24,7 +24,7 @@ impl QueueLayout {
         check(schema, "")?;
         Ok(Self {
             min_size: min_size(&schema.shape),
-            has_lists: has_lists(&schema.shape),
+            has_lists: has_lists(schema),
             schema: schema.clone(),
         })
     }
@@ -83,25 +83,8 @@ fn check(schema: &Schema, path: &str) -> Result<(), UnsupportedTypeError> {
     }
 }
 
-fn has_lists(shape: &Shape) -> bool {
-    match shape {
-        Shape::List(_) => true,
-        Shape::Array(element, _) | Shape::Option(element) => has_lists(&element.shape),
-        Shape::Record(fields) => fields.iter().any(|field| has_lists(&field.schema.shape)),
-        Shape::Any
-        | Shape::Text
-        | Shape::Bool
-        | Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64 => false,
-    }
+fn has_lists(schema: &Schema) -> bool {
+    matches!(schema.shape, Shape::List(_)) || schema.parts().any(has_lists)
 }
 
 /// Minimum size of a value in bytes; 0 for types without a layout.

@@ -229,25 +229,7 @@ fn fill(schema: &mut Schema, known: &dyn Fn(&str) -> Option<Schema>) -> Result<(
             ))),
         };
     }
-    match &mut schema.shape {
-        Shape::Option(part) | Shape::List(part) | Shape::Array(part, _) => fill(part, known),
-        Shape::Record(fields) => fields
-            .iter_mut()
-            .try_for_each(|field| fill(&mut field.schema, known)),
-        Shape::Any
-        | Shape::Bool
-        | Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64
-        | Shape::Text => Ok(()),
-    }
+    schema.parts_mut().try_for_each(|part| fill(part, known))
 }
 
 /// Checks that a new message of a type has a sensible size: arrays are filled with zeros.
@@ -261,27 +243,11 @@ fn check_size(schema: &Schema) -> Result<(), ProgramError> {
 }
 
 fn elements(schema: &Schema) -> usize {
-    match &schema.shape {
-        Shape::Array(element, count) => elements(element).saturating_mul(*count),
-        Shape::Record(fields) => {
-            let fields = fields.iter().map(|field| elements(&field.schema));
-            fields.fold(0, usize::saturating_add)
-        }
-        Shape::Option(part) | Shape::List(part) => elements(part),
-        Shape::Any
-        | Shape::Bool
-        | Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64
-        | Shape::Text => 1,
+    if let Shape::Array(element, count) = &schema.shape {
+        return elements(element).saturating_mul(*count);
     }
+    let parts = schema.parts().map(elements);
+    parts.fold(0, usize::saturating_add).max(1)
 }
 
 fn complete_property(property: &mut PropertyDeclaration) -> Result<(), ProgramError> {

@@ -138,7 +138,8 @@ impl PortColumn {
         let Some((last, list)) = self.path.split_last().filter(|(last, _)| *last == COUNT) else {
             return false;
         };
-        match schema_at(schema, list).map(|it| &it.shape) {
+        let at = list.iter().try_fold(schema, |at, step| at.part(step));
+        match at.map(|it| &it.without_option().shape) {
             Some(Shape::List(_) | Shape::Array(..)) => true,
             Some(Shape::Any) | None => {
                 let in_list = |it: &&Self| it.path.starts_with(list) && it.path.len() > list.len();
@@ -151,24 +152,6 @@ impl PortColumn {
             Some(_) => false,
         }
     }
-}
-
-/// The schema of a part; `None` if the schema has no such part.
-fn schema_at<'a>(schema: &'a Schema, path: &[String]) -> Option<&'a Schema> {
-    if let Shape::Option(some) = &schema.shape {
-        return schema_at(some, path);
-    }
-    let Some((first, rest)) = path.split_first() else {
-        return Some(schema);
-    };
-    let inner = if let Shape::List(element) | Shape::Array(element, _) = &schema.shape {
-        element
-    } else if let Shape::Record(fields) = &schema.shape {
-        &fields.iter().find(|field| field.name == **first)?.schema
-    } else {
-        return (schema.shape == Shape::Any).then_some(schema);
-    };
-    schema_at(inner, rest)
 }
 
 /// A part of a sample: a scalar, or a record or list by field or index.

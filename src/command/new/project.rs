@@ -20,12 +20,31 @@ pub(super) enum ProjectKind {
 }
 
 impl ProjectKind {
-    /// The command that tests a new project.
-    pub(super) fn first_command(self) -> &'static str {
-        match self {
+    /// The commands that test a new project. `source` is the folder of asmotion's source code, if one is given.
+    pub(super) fn first_commands(self, source: Option<&Path>) -> String {
+        let test = match self {
             Self::Rust => "cargo test",
             Self::Python => "python3 -m unittest && asmotion test specs",
             Self::Specification => "asmotion test specs",
+        };
+        match source {
+            Some(source) if self == Self::Python => {
+                format!("pip install {} && {test}", source.join("python").display())
+            }
+            _ => test.to_owned(),
+        }
+    }
+
+    /// What is missing until the crates and the Python package are published.
+    pub(super) fn unpublished(self) -> Option<&'static str> {
+        match self {
+            Self::Rust => Some(
+                "asmotion is not on crates.io yet: `--source FOLDER` makes the project depend on its source code",
+            ),
+            Self::Python => Some(
+                "asmotion is not on PyPI yet: install it from its source code with `pip install FOLDER/python`",
+            ),
+            Self::Specification => None,
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::codes::c100::WrongArgument;
 use crate::codes::c115::UnknownField;
 use crate::finding::Findings;
 use crate::tree::{Branch, Node};
-use crate::types::{Types, is_integer};
+use crate::types::Types;
 
 /// Checks a literal value for the port, field or operation `what`. Strings containing substitutions are accepted for every
 /// type; fields of a record may be omitted.
@@ -46,7 +46,7 @@ pub(super) fn check(
             }
             true
         }
-        (shape, Branch::Integer(_)) if is_integer(shape) => true,
+        (shape, Branch::Integer(_)) if shape.is_integer() => true,
         (Shape::Option(inner), _) => {
             check(types, what, node, inner, report);
             true

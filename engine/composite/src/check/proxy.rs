@@ -21,7 +21,6 @@ use crate::finding::Findings;
 use crate::map;
 use crate::model::{Component, Condition, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode};
 use crate::nearest::nearest;
-use crate::types::{is_float, is_integer};
 
 /// Checks a port-proxy and adds ports mirroring those of its target: an input of the target is an output of the proxy.
 pub(super) fn check(
@@ -330,5 +329,5 @@ fn is_number(schema: &Schema) -> bool {
     if let Shape::List(element) | Shape::Array(element, _) = &schema.shape {
         return is_number(element);
     }
-    schema.shape == Shape::Any || is_integer(&schema.shape) || is_float(&schema.shape)
+    schema.shape == Shape::Any || schema.shape.is_number()
 }

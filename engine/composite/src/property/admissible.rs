@@ -9,7 +9,6 @@ use super::kind::within;
 use crate::finding::Findings;
 use crate::range::Range;
 use crate::scope::SubstitutionNotes;
-use crate::types::is_integer;
 use crate::value::SettingValue;
 
 /// Converts a value to the type of the property; reports an error and returns `None` if the property does not accept
@@ -90,7 +89,7 @@ pub(super) fn conform(value: SettingValue, schema: &Schema) -> Option<SettingVal
         | (Shape::Bool, value @ SettingValue::Boolean(_))
         | (Shape::F32 | Shape::F64, value @ SettingValue::Real(_))
         | (Shape::Text, value @ (SettingValue::Text(_) | SettingValue::Secret(_))) => Some(value),
-        (shape, value @ SettingValue::Integer(_)) if is_integer(shape) => Some(value),
+        (shape, value @ SettingValue::Integer(_)) if shape.is_integer() => Some(value),
         (Shape::Option(inner), value) => conform(value, inner),
         (Shape::List(item), SettingValue::List(items)) => each(items, item),
         (Shape::Array(item, count), SettingValue::List(items)) if items.len() == *count => {

@@ -10,7 +10,7 @@ use crate::finding::Findings;
 use crate::model::{Property, PropertyType, Scalar};
 use crate::range::Range;
 use crate::scope::SubstitutionNotes;
-use crate::types::{is_float, is_integer, primitive};
+use crate::types::primitive;
 use crate::value::SettingValue;
 
 /// Converts a value to the type of a composite property; reports a wrong type or a value out of range.
@@ -83,9 +83,9 @@ fn shape(scalar: Scalar) -> Shape {
 /// Describes the values of a type.
 fn describe(kind: PropertyType) -> String {
     let shape = shape(kind.scalar);
-    let (article, one) = if is_integer(&shape) {
+    let (article, one) = if shape.is_integer() {
         ("an", "integer")
-    } else if is_float(&shape) {
+    } else if shape.is_float() {
         ("a", "number")
     } else if shape == Shape::Bool {
         ("a", "Boolean")
@@ -160,9 +160,9 @@ pub(super) fn from_text(text: &str, kind: PropertyType) -> Option<SettingValue> 
         return items.collect::<Option<_>>().map(SettingValue::List);
     }
     let shape = shape(kind.scalar);
-    if is_integer(&shape) {
+    if shape.is_integer() {
         text.parse().ok().map(SettingValue::Integer)
-    } else if is_float(&shape) {
+    } else if shape.is_float() {
         text.parse().ok().map(SettingValue::Real)
     } else if shape == Shape::Bool {
         text.parse().ok().map(SettingValue::Boolean)

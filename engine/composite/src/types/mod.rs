@@ -209,43 +209,17 @@ impl<'c> Types<'c> {
         steps: &[At<String>],
     ) -> Result<Option<Schema>, UnknownField> {
         for step in steps {
-            schema = match &schema.shape {
-                Shape::Any => return Ok(None),
-                Shape::Record(fields) => {
-                    match fields
-                        .iter()
-                        .find(|field| field.name == step.value.as_str())
-                    {
-                        Some(field) => field.schema.clone(),
-                        None => return Err(self.no_field(&schema, step, fields)),
-                    }
-                }
-                Shape::List(item) | Shape::Array(item, _)
-                    if step.chars().all(|digit| digit.is_ascii_digit()) =>
-                {
-                    item.as_ref().clone()
-                }
-                Shape::Option(inner) => inner.as_ref().clone(),
-                Shape::Bool
-                | Shape::I8
-                | Shape::I16
-                | Shape::I32
-                | Shape::I64
-                | Shape::U8
-                | Shape::U16
-                | Shape::U32
-                | Shape::U64
-                | Shape::F32
-                | Shape::F64
-                | Shape::Text
-                | Shape::List(_)
-                | Shape::Array(..) => return Err(self.no_field(&schema, step, &[])),
-            };
+            if schema.shape == Shape::Any {
+                return Ok(None);
+            }
+            let part = schema.part(&step.value);
+            schema = part.cloned().ok_or_else(|| self.no_field(&schema, step))?;
         }
         Ok(Some(schema))
     }
 
-    fn no_field(&self, schema: &Schema, step: &At<String>, fields: &[OutlineKey]) -> UnknownField {
+    fn no_field(&self, schema: &Schema, step: &At<String>) -> UnknownField {
+        let fields = schema.fields();
         UnknownField {
             name: schema.to_string(),
             field: step.value.clone(),
@@ -301,17 +275,6 @@ const PRIMITIVES: [(&str, Shape); 22] = [
     ("float32", Shape::F32),
     ("float64", Shape::F64),
 ];
-
-/// Returns `true` for an integer type, signed or not.
-pub(crate) fn is_integer(shape: &Shape) -> bool {
-    let is_signed = matches!(shape, Shape::I8 | Shape::I16 | Shape::I32 | Shape::I64);
-    is_signed || matches!(shape, Shape::U8 | Shape::U16 | Shape::U32 | Shape::U64)
-}
-
-/// Returns `true` for a number with a fraction.
-pub(crate) fn is_float(shape: &Shape) -> bool {
-    matches!(shape, Shape::F32 | Shape::F64)
-}
 
 pub(crate) fn primitive(name: &str) -> Option<Schema> {
     if name == "time" {

@@ -318,7 +318,7 @@ impl<'p> PlanNames<'p> {
         };
         let mut here = schema;
         for part in path.split('.').filter(|part| !part.is_empty()) {
-            here = inner(here, part).ok_or_else(|| {
+            here = here.part(part).ok_or_else(|| {
                 let part = At::new(part.to_owned(), path.span);
                 let known = fields(here);
                 unknown(&format!("field of `{kind}`"), &part, &known)
@@ -374,11 +374,8 @@ impl<'p> PlanNames<'p> {
     }
 
     fn shape(&self, kind: &str, path: &str) -> Option<&'p Shape> {
-        let mut here = self.plan.types.get(kind)?;
-        for part in path.split('.').filter(|part| !part.is_empty()) {
-            here = inner(here, part)?;
-        }
-        Some(&here.shape)
+        let schema = self.plan.types.get(kind)?.part_at(path);
+        schema.map(|it| &it.shape)
     }
 
     fn add_call(&mut self, function: &str, name: &At<String>, it: Observation) -> usize {
@@ -420,76 +417,20 @@ fn applied(location: &str) -> String {
     format!("{function}({})", arguments.join(", "))
 }
 
-/// The schema of a part.
-fn inner<'s>(schema: &'s Schema, part: &str) -> Option<&'s Schema> {
-    match &schema.shape {
-        Shape::Record(fields) => {
-            let field = fields.iter().find(|field| field.name == part)?;
-            Some(&field.schema)
-        }
-        Shape::List(element) => part.parse::<usize>().ok().map(|_| &**element),
-        Shape::Array(element, count) => {
-            let index: usize = part.parse().ok()?;
-            (index < *count).then_some(element)
-        }
-        Shape::Option(some) => inner(some, part),
-        Shape::Any
-        | Shape::Bool
-        | Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64
-        | Shape::Text => None,
-    }
-}
-
 /// Names of the fields of a record.
 fn fields(schema: &Schema) -> Vec<String> {
-    match &schema.shape {
-        Shape::Record(fields) => fields.iter().map(|field| field.name.to_string()).collect(),
-        Shape::Option(some) => fields(some),
-        Shape::List(_)
-        | Shape::Array(..)
-        | Shape::Any
-        | Shape::Bool
-        | Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64
-        | Shape::Text => Vec::new(),
-    }
+    let fields = schema.fields().iter();
+    fields.map(|field| field.name.to_string()).collect()
 }
 
 /// The type of literals that a field is compared with; `None` if there are none.
 fn wanted(shape: &Shape) -> Option<&'static str> {
-    match shape {
-        Shape::Bool => Some("a Boolean"),
-        Shape::I8
-        | Shape::I16
-        | Shape::I32
-        | Shape::I64
-        | Shape::U8
-        | Shape::U16
-        | Shape::U32
-        | Shape::U64
-        | Shape::F32
-        | Shape::F64 => Some("a number"),
-        Shape::Text => Some("a text"),
-        Shape::Any | Shape::Option(_) | Shape::List(_) | Shape::Array(..) | Shape::Record(_) => {
-            None
-        }
+    if *shape == Shape::Bool {
+        Some("a Boolean")
+    } else if *shape == Shape::Text {
+        Some("a text")
+    } else {
+        shape.is_number().then_some("a number")
     }
 }
 

@@ -28,7 +28,6 @@ use crate::pattern::{function_of, out_key};
 use crate::signature::{Codomain, FunctionInfo, FunctionKind, Signature};
 use crate::table::NamedValue;
 use crate::tree::{Branch, Node};
-use crate::types::{is_float, is_integer};
 use asmotion_coordinator::{LocationArgument, LocationName, Receive};
 
 pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut Report) {
@@ -556,8 +555,8 @@ pub(super) fn fits(codomain: &Codomain, shape: &Shape) -> bool {
         (_, Shape::Any) | (Codomain::Other(_), _) => true,
         (_, Shape::Option(present)) => fits(codomain, &present.shape),
         (Codomain::Boolean, _) => *shape == Shape::Bool,
-        (Codomain::Integer, _) => is_integer(shape),
-        (Codomain::Real, _) => is_integer(shape) || is_float(shape),
+        (Codomain::Integer, _) => shape.is_integer(),
+        (Codomain::Real, _) => shape.is_number(),
         (Codomain::Text | Codomain::Enum { .. }, _) => *shape == Shape::Text,
         (Codomain::List { item, .. }, Shape::List(element) | Shape::Array(element, _)) => {
             fits(item, &element.shape)

@@ -69,12 +69,7 @@ fn mapped(source: &PartSource<'_>, entry: &model::ProxyEntry) -> Option<Mapped> 
         .into_iter()
         .find(|known| known.name == operation.value);
     // with an unknown interface, conversions depend on the data at run time
-    let declared = declared.unwrap_or_else(|| OperationDeclaration {
-        name: operation.value.clone(),
-        request: Schema::opaque(""),
-        response: Schema::opaque(""),
-        while_stopped: false,
-    });
+    let declared = declared.unwrap_or_else(|| OperationDeclaration::opaque(&operation.value));
     Some(Mapped {
         service: service.value.clone(),
         interface: interface.clone(),
