@@ -82,6 +82,8 @@ class Outcome:
         self.calls: list[MadeCall] = []
         self.reports: list[tuple[str, Any]] = []
         self.requested_cycle = False
+        self.requested_at_s: float | None = None
+        """Time at which the component requested its next cycle, s."""
         self.period_s: float | None = None
         self.duration_s: float | None = None
         self.error: Fault | None = None
@@ -106,7 +108,9 @@ class Bench(Generic[C]):
         outcome = bench.give("command", GripperCommand(opening=0.08)).cycle()
         assert outcome["state"].opening == 0.05
 
-    Keywords are values of properties. The component is configured and started; `period_s` passes before each cycle.
+    Keywords are values of properties. The component is configured and started; `period_s` passes before each cycle. With
+    the period 0 it is event-driven: `cycle` runs a cycle at the present time, and `run_for` those that the component requests
+    and that what was given triggers.
     """
 
     def __init__(self, cls: type[C], *, period_s: float = 0.1, **properties: Any) -> None:
@@ -131,6 +135,7 @@ class Bench(Generic[C]):
         self._cancelled: list[int] = []
         self._calls: dict[int, MadeCall] = {}
         self._ends: list[dict[str, Any]] = []
+        self._last: Outcome | None = None
         self._ask({"type": "hello", "protocol": 1, "component": cls.__name__, "clock": "virtual"})
         self.set(**properties)
         defaults = {name: item.form().dump(item.default) for name, item in self._declaration.properties.items()}
@@ -289,9 +294,22 @@ class Bench(Generic[C]):
         """
         end = self.now + round(seconds * 1e9)
         outcomes = []
-        while self.now + round(self.period_s * 1e9) <= end:
-            outcomes.append(self._cycle("cycle"))
+        while (next_time := self._next_time()) is not None and next_time <= end:
+            outcomes.append(self._cycle("cycle", next_time))
+        if self.period_s == 0:
+            self.now = end
         return outcomes
+
+    def _next_time(self) -> int | None:
+        """Time of the next cycle, ns; `None` if an event-driven component waits for input."""
+        if self.period_s:
+            return self.now + round(self.period_s * 1e9)
+        if self.number == 0 or self._inputs or self._asked or self._ends or (self._last and self._last.requested_cycle):
+            return self.now
+        times = [] if not self._recorded else [self._recorded[0][0]]
+        if self._last is not None and self._last.requested_at_s is not None:
+            times.append(round(self._last.requested_at_s * 1e9))
+        return max(min(times), self.now) if times else None
 
     def serve(self) -> Outcome:
         """Serves the requests of a stopped component.
@@ -339,9 +357,9 @@ class Bench(Generic[C]):
         """Returns the description of the internal state."""
         return dict(self._ask({"type": "inspect"})["fields"])
 
-    def _cycle(self, kind: str) -> Outcome:
+    def _cycle(self, kind: str, now: int | None = None) -> Outcome:
         if kind != "serve":
-            self.now += round(self.period_s * 1e9)
+            self.now = self.now + round(self.period_s * 1e9) if now is None else now
             self.number += 1
             due = [entry for entry in self._recorded if entry[0] <= self.now]
             self._recorded = self._recorded[len(due) :]
@@ -362,7 +380,8 @@ class Bench(Generic[C]):
         self._asked, self._cancelled, self._ends = [], [], []
         request = {"type": kind, "now": self.now, "number": self.number}
         request.update({name: part for name, part in parts.items() if part})
-        return self._outcome(self._ask(request))
+        self._last = outcome = self._outcome(self._ask(request))
+        return outcome
 
     def _outcome(self, reply: dict[str, Any]) -> Outcome:
         outcome = Outcome()
@@ -387,9 +406,10 @@ class Bench(Generic[C]):
                     request._result = request._load(answer["result"])
         outcome.reports = [(kind, value) for kind, value in reply.get("reports", ())]
         outcome.requested_cycle = reply.get("again", False)
+        outcome.requested_at_s = reply["at"] * 1e-9 if "at" in reply else None
         outcome.period_s = reply["period"] * 1e-9 if "period" in reply else None
         outcome.duration_s = reply["duration"] * 1e-9 if "duration" in reply else None
-        if outcome.period_s:
+        if outcome.period_s is not None:
             self.period_s = outcome.period_s
         if "error" in reply:
             outcome.error = Fault(reply["error"]["code"], reply["error"]["text"])

@@ -599,6 +599,15 @@ class Cycle:
         """Requests another cycle at once, for event-driven components."""
         self._effects.options["again"] = True
 
+    def request_cycle_at(self, seconds: float) -> None:
+        """Requests a cycle at a time (s, as `seconds`), for event-driven components; at once if it has passed.
+
+        The earliest of several requests counts. A request ends with the next cycle, whatever triggers it, so a component that
+        still waits requests a cycle again.
+        """
+        at = round(min(max(seconds, 0.0), 9e9) * 1e9)  # times have 63 bits
+        self._effects.options["at"] = min(at, self._effects.options.get("at", at))
+
     def report(self, kind: str, value: Any) -> None:
         """Reports data to observers. The kind `notice` with a text is for people."""
         self._effects.reports.append((kind, Form().dump(value)))

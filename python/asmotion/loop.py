@@ -25,7 +25,8 @@ class CycleLoop(asyncio.AbstractEventLoop):
     """Runs tasks within cycles: `run` continues all of them until each waits for something.
 
     `asyncio.sleep`, `wait_for`, `timeout`, `gather` and `to_thread` work. A sleep ends in the first cycle at or after its
-    time. In virtual time `to_thread` computes its result at once; otherwise its end requests a cycle.
+    time; an event-driven component has a cycle at that time (`next_time`). In virtual time `to_thread` computes its result at
+    once; otherwise its end requests a cycle.
     """
 
     def __init__(self, wake: Callable[[], None]) -> None:
@@ -66,6 +67,12 @@ class CycleLoop(asyncio.AbstractEventLoop):
             self._is_running = False
             events._set_running_loop(outer)
         raise Fault("ENDLESS", f"the tasks of a cycle do not come to rest in {STEPS} steps; let them wait for a time or a call")
+
+    def next_time(self) -> float | None:
+        """Returns the time of the next timer, s; `None` without one."""
+        while self._timers and self._timers[0][2].cancelled():
+            heapq.heappop(self._timers)
+        return self._timers[0][0] if self._timers else None
 
     def clear(self) -> None:
         """Forgets all tasks and timers."""

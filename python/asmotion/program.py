@@ -131,6 +131,9 @@ class Program:
             self._collect()
         finally:
             engine.in_cycle = False
+        wait_until = engine.loop.next_time()
+        if is_running and wait_until is not None:
+            engine.cycle.request_cycle_at(wait_until)
         return engine.cycle._effects.data()
 
     def _task(self, coroutine: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:

@@ -45,6 +45,44 @@ class Tasks(unittest.TestCase):
         self.assertEqual(bench.cycle().outputs, {})
         self.assertEqual(bench.cycle()["place"], Number(-3.0))
 
+    def test_an_event_driven_component_wakes_at_the_time_of_its_sleep(self):
+        bench = Bench(Mission, period_s=0)
+        outcomes = bench.run_for(0.05)
+        self.assertEqual([outcome.requested_at_s for outcome in outcomes], [None])
+        outcomes = bench.give("goal", Number(3.0)).run_for(0.5)
+        self.assertEqual(outcomes[0].requested_at_s, 0.25)
+        self.assertEqual([list(outcome.outputs) for outcome in outcomes], [["place"], ["place"]])
+        self.assertEqual(bench.now, 550_000_000)
+
+    def test_the_earliest_of_several_sleeps_counts_and_cancelled_ones_do_not(self):
+        class Napping(asmotion.Component):
+            place = asmotion.Out(Number)
+
+            async def nap(self, seconds):
+                await asyncio.sleep(seconds)
+                self.place.write(Number(self.cycle.seconds))
+
+            async def update(self, cycle):
+                naps = [asyncio.ensure_future(self.nap(seconds)) for seconds in (0.5, 0.3, 0.1)]
+                await asyncio.sleep(0.2)
+                naps[1].cancel()
+                await naps[0]
+
+        outcomes = Bench(Napping, period_s=0).run_for(0.7)
+        self.assertEqual([outcome.requested_at_s for outcome in outcomes[:4]], [0.1, 0.2, 0.5, None])
+        times = [sample.value for outcome in outcomes for sample in outcome.outputs.get("place", ())]
+        self.assertEqual(times, [0.1, 0.5])
+
+    def test_a_cycle_requests_the_next_one_at_a_time(self):
+        class Ticking(asmotion.Component):
+            def update(self, cycle):
+                cycle.request_cycle_at(cycle.seconds + 0.25)
+                cycle.request_cycle_at(1e300)
+
+        bench = Bench(Ticking, period_s=0)
+        self.assertEqual(len(bench.run_for(1.0)), 5)
+        self.assertEqual(len(bench.run_for(1.0)), 4)
+
     def test_an_operation_awaits_a_call(self):
         bench = Bench(Mission)
         request = bench.request("work", "double", Number(4.0))

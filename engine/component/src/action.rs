@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_datum::{Datum, Sample};
+use asmotion_port::Time;
 
 use crate::operation::{CallId, OperationSlot, RequestId, ServiceFault};
 
@@ -39,4 +40,6 @@ pub enum CycleAction {
     SetPeriod(Duration),
     /// Triggers the component itself, if it is event-driven.
     CycleAgain,
+    /// Triggers the component itself at this time, if it is event-driven.
+    CycleAt(Time),
 }

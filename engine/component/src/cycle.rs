@@ -260,6 +260,14 @@ impl<'a> Cycle<'a> {
         self.host.record(CycleAction::CycleAgain);
     }
 
+    /// Requests a cycle at this time, if the component is event-driven; at once if the time has passed.
+    ///
+    /// The earliest of several requests counts. A request ends with the next cycle, whatever triggers it, so a component that
+    /// still waits requests a cycle again.
+    pub fn request_cycle_at(&mut self, at: Time) {
+        self.host.record(CycleAction::CycleAt(at));
+    }
+
     /// Moves the component to [`State::RunTimeError`](crate::State::RunTimeError) after this cycle, which succeeds
     /// otherwise (RTT `error`).
     pub fn error(&mut self, fault: Fault) {

@@ -162,24 +162,23 @@ fn gripper(refuses: bool) -> System {
     operated(&command(&["gripper.py"]), refuses)
 }
 
-/// The gripper in Python with the package `asmotion`.
-fn packaged(arguments: &[&str], refuses: bool) -> System {
+/// The command of a program that uses the package `asmotion`.
+fn with_package(arguments: &[&str]) -> ProgramCommand {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../python");
     let package = format!("PYTHONPATH={}", package.display());
-    let words = [
-        "env",
-        &package,
-        "PYTHONDONTWRITEBYTECODE=1",
-        "python3",
-        "packaged.py",
-    ];
+    let words = ["env", &package, "PYTHONDONTWRITEBYTECODE=1", "python3"];
     let words = words.iter().chain(arguments);
-    let command = ProgramCommand {
+    ProgramCommand {
         words: words.map(|word| (*word).to_owned()).collect(),
         timeout: Duration::from_secs(5),
         ..command(&[])
-    };
-    operated(&command, refuses)
+    }
+}
+
+/// The gripper in Python with the package `asmotion`.
+fn packaged(arguments: &[&str], refuses: bool) -> System {
+    let arguments = [&["packaged.py"], arguments].concat();
+    operated(&with_package(&arguments), refuses)
 }
 
 fn operated(gripper: &ProgramCommand, refuses: bool) -> System {
@@ -463,4 +462,82 @@ fn a_program_that_stays_after_exit_is_ended() {
     run.stop();
     drop(run);
     assert!(log.lines_with("fault").is_empty(), "{:?}", log.lines());
+}
+
+/// A system with one event-driven program, and its log.
+fn timed(command: &ProgramCommand) -> (System, Log) {
+    let mut system = System::new();
+    add(&mut system, "Device", command, Activity::event());
+    let log = Log::new();
+    system.observe(log.clone());
+    (system, log)
+}
+
+/// The times of the reports of this kind (ms).
+fn reported(log: &Log, kind: &str) -> Vec<u64> {
+    let lines = log.lines_with(&format!(": {kind}: ")).into_iter();
+    let nanos = lines.map(|line| line.rsplit(' ').next().unwrap_or_default().to_owned());
+    nanos
+        .map(|it| it.parse::<u64>().unwrap() / 1_000_000)
+        .collect()
+}
+
+#[test]
+fn a_program_requests_a_cycle_at_a_time() {
+    let (system, log) = timed(&command(&["timed.py", "ticks"]));
+    system.simulate().run_for(Duration::from_millis(500));
+    let times: Vec<u64> = (0..8).map(|tick| tick * 70).collect();
+    assert_eq!(reported(&log, "now"), times);
+}
+
+#[test]
+fn hostile_times_of_cycles_harm_only_the_program() {
+    let mut ends = String::new();
+    for how in ["far", "before", "beyond", "text", "fraction"] {
+        let (mut system, log) = timed(&command(&["timed.py", how]));
+        let counter = |_: &mut Interface| Box::new(Idle) as Box<dyn Component>;
+        system.add("Other", every(100), counter).unwrap();
+        let mut run = system.simulate();
+        run.run_for(Duration::from_secs(2));
+        let cycles = run.cycles("Device");
+        let state = run.state("Device").unwrap();
+        assert_eq!(run.cycles("Other"), 21, "{how}");
+        let faults = log.lines_with("fault");
+        ends += &format!("{how}: {cycles} cycles, {state:?} {faults:?}\n");
+    }
+    insta::assert_snapshot!(ends);
+}
+
+struct Idle;
+
+impl Component for Idle {
+    fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_coroutine_wakes_at_the_time_of_its_sleep() {
+    let command = with_package(&["sleeping.py"]);
+    let (system, log) = timed(&command);
+    system.simulate().run_for(Duration::from_secs(1));
+    assert_eq!(reported(&log, "awake"), [200, 230, 400]);
+    let (system, log) = timed(&command);
+    let mut run = system.live();
+    run.run_for(Duration::from_millis(800));
+    run.stop();
+    let times = reported(&log, "awake");
+    let [first, second, third] = times[..] else {
+        panic!("{times:?}: {:?}", log.lines());
+    };
+    let begun = log.lines_with("Device: cycle 1")[0]
+        .split(' ')
+        .next()
+        .and_then(|it| it.parse::<f64>().ok())
+        .unwrap();
+    let begun = (begun * 1000.0) as u64;
+    // the machine may be busy; without the request there is no other cycle
+    assert!((200..300).contains(&(first - begun)), "{times:?}");
+    assert!((30..130).contains(&(second - first)), "{times:?}");
+    assert!((170..270).contains(&(third - second)), "{times:?}");
 }

@@ -15,6 +15,7 @@ use crate::cause::CycleCause;
 use crate::descriptor::ComponentStatus;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
+use crate::later_cycle::LaterCycle;
 use crate::service::{Admission, OutgoingCalls, ProvidedService, RequiredReference};
 
 /// The state that the runtime keeps for a component, apart from the component itself.
@@ -40,6 +41,8 @@ pub(crate) struct ComponentBody {
     pub work_place: WorkPlace,
     /// Duration of the current cycle in simulated time.
     pub cycle_duration: Duration,
+    /// The cycle that the last one has requested for a later time.
+    pub later: LaterCycle,
 }
 
 impl ComponentBody {
@@ -85,6 +88,7 @@ impl ComponentBody {
             journal: Vec::new(),
             work_place: WorkPlace::default(),
             cycle_duration: Duration::ZERO,
+            later: LaterCycle::default(),
         }
     }
 
@@ -94,6 +98,7 @@ impl ComponentBody {
         let mut implausible = 0;
         self.cause.begin_cycle();
         self.cycle_duration = Duration::ZERO;
+        self.later.forget();
         for (input, declared) in self.inputs.iter_mut().zip(&self.declaration.inputs) {
             let refusals = input.freeze(effects.now);
             if refusals.unreadable > 0 {
@@ -162,11 +167,23 @@ impl ComponentBody {
                 }),
                 CycleAction::SetPeriod(period) => set_period(period),
                 CycleAction::CycleAgain => effects.effects.trigger(effects.component),
+                CycleAction::CycleAt(at) => self.later.request(at),
             }
         }
+        self.trigger_later(effects);
         // reuse the allocation in the next cycle
         self.journal = journal;
         result
+    }
+
+    /// Triggers the component if the cycle that it has requested is due; else asks the executor to wake it.
+    pub(crate) fn trigger_later(&mut self, effects: &mut ComponentEffects<'_>) {
+        if self.later.take_due(effects.now) {
+            effects.effects.trigger(effects.component);
+        }
+        if let Some(at) = self.later.plan() {
+            effects.effects.wake_at(effects.component, at);
+        }
     }
 
     fn flush(&mut self, port: usize, effects: &mut ComponentEffects<'_>) -> Result<(), Fault> {
@@ -252,7 +269,8 @@ impl ComponentBody {
             | CycleAction::Answer { .. }
             | CycleAction::Report(..)
             | CycleAction::SetPeriod(_)
-            | CycleAction::CycleAgain => None,
+            | CycleAction::CycleAgain
+            | CycleAction::CycleAt(_) => None,
         });
         match command {
             None => Ok(()),

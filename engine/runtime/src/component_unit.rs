@@ -183,6 +183,7 @@ impl ComponentUnit {
                 let set_period = |period| drive = drive.with_period(period);
                 // cannot fail: nothing is written
                 let _ = self.body.commit(&mut own, set_period);
+                self.body.later.forget();
                 self.set_drive(drive);
             }
         }
@@ -386,6 +387,7 @@ impl ComponentUnit {
         self.body.admit(admission, &mut own);
         if transition == Transition::Stop {
             self.body.abandon_calls(&mut own);
+            self.body.later.forget();
         }
         self.set_state(target, now, effects);
         if transition == Transition::Stop {
@@ -427,6 +429,7 @@ impl ComponentUnit {
         let mut own = component_effects(&self.name, self.index, now, effects);
         self.body.admit(Admission::None, &mut own);
         self.body.abandon_calls(&mut own);
+        self.body.later.forget();
     }
 
     fn set_state(&mut self, to: State, now: Time, effects: &mut dyn Effects) {
@@ -479,10 +482,12 @@ impl ComponentUnit {
         self.body.unwire(reference, service, &mut effects);
     }
 
-    /// Ends calls that have timed out. Returns whether any result waits for the next cycle.
+    /// Ends calls that have timed out, and triggers the component if the cycle that it has requested is due. Returns whether
+    /// any result waits for the next cycle.
     pub(crate) fn process_replies(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
         let mut effects = component_effects(&self.name, self.index, now, effects);
         let body = &mut self.body;
+        body.trigger_later(&mut effects);
         body.caller.process_replies(&body.references, &mut effects)
     }
 

@@ -14,7 +14,8 @@ pub trait Effects {
     /// Signals new data for the component at this position; an event-driven one cycles.
     fn trigger(&mut self, component: usize);
 
-    /// Asks to wake the component at this time, when one of its calls reaches its deadline.
+    /// Asks to wake the component at this time, when one of its calls reaches its deadline or the cycle that it has requested
+    /// is due.
     fn wake_at(&mut self, component: usize, at: Time);
 
     /// Reports that a component has failed whose activity stops all components.

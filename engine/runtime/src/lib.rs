@@ -21,6 +21,7 @@ mod growing_table;
 mod handle;
 mod health;
 mod injection;
+mod later_cycle;
 mod live;
 mod log;
 mod run;

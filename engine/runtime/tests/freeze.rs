@@ -306,3 +306,51 @@ impl Component for Failing {
         }
     }
 }
+
+/// Cycles at growing intervals, at times that it requests itself.
+#[derive(Freeze)]
+#[freeze(component = "test::Sleeper", version = 1)]
+struct Sleeper {
+    #[freeze(skip)]
+    out: Out<Number>,
+    n: i64,
+}
+
+impl Component for Sleeper {
+    freeze_by_fields!();
+
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.n += 1;
+        cycle.write(self.out, number(self.n));
+        cycle.request_cycle_at(cycle.now() + (self.n.unsigned_abs() * 10).ms());
+        Ok(())
+    }
+}
+
+#[test]
+fn a_requested_cycle_takes_place_after_thawing() {
+    let sleeper = |log: &Log| {
+        let mut system = System::new();
+        system.observe(log.clone());
+        system
+            .add("Sleeper", Activity::event(), |interface| {
+                let out = interface.output("n", "the count");
+                Box::new(Sleeper { out, n: 0 })
+            })
+            .unwrap();
+        system.simulate()
+    };
+    let whole = Log::new();
+    sleeper(&whole).run_until(END);
+    assert_eq!(whole.samples::<Number>("Sleeper.n").len(), 9);
+    let log = Log::new();
+    let mut run = sleeper(&log);
+    run.run_until(Time::ZERO + 125.ms());
+    let frozen = run.freeze().unwrap();
+    let mut other = sleeper(&Log::new());
+    other.thaw(&frozen).unwrap();
+    assert_eq!(other.freeze().unwrap(), frozen);
+    other.observe(log.clone());
+    other.run_until(END);
+    assert_eq!(log.lines(), whole.lines());
+}

@@ -542,3 +542,33 @@ fn observers_that_fall_behind_lose_events_and_are_told_how_many() {
     assert!(seen > 60_000 && lost > 30_000, "{seen} seen, {lost} lost");
     assert!(seen + lost >= 100_000);
 }
+
+#[test]
+fn a_component_requests_a_cycle_at_a_time() {
+    in_real_time(|| {
+        let times: Arc<Mutex<Vec<Time>>> = Arc::default();
+        let keep = Arc::clone(&times);
+        let mut system = System::new();
+        let waiting = behaviour(move |_| {
+            move |cycle| {
+                let mut times = keep.lock().unwrap();
+                times.push(cycle.now());
+                if let [begin] = times[..] {
+                    cycle.request_cycle_at(begin + 200.ms());
+                    cycle.request_cycle_at(begin + 100.ms());
+                }
+                Ok(())
+            }
+        });
+        system.add("Waiting", Activity::event(), waiting).unwrap();
+        let mut run = system.live();
+        run.run_for(400.ms());
+        run.stop();
+        let times = times.lock().unwrap();
+        let [begin, end] = times[..] else {
+            panic!("{times:?}");
+        };
+        let took = end.since(begin);
+        assert!((100.ms()..120.ms()).contains(&took), "{took:?}");
+    });
+}

@@ -419,3 +419,93 @@ fn the_time_of_a_cycle_stands_still_and_grows_between_cycles() {
     system.simulate().run_until(at(20));
     assert_eq!(*times.lock().unwrap(), [at(0), at(10), at(20)]);
 }
+
+/// Requests a cycle at these times (ms), each list in the cycle with its number, and keeps the times of its cycles.
+fn requesting(
+    requests: &'static [&'static [i64]],
+    times: &Arc<Mutex<Vec<Time>>>,
+) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    let times = Arc::clone(times);
+    behaviour(move |interface| {
+        interface.input::<Number>("in", "a trigger");
+        move |cycle| {
+            times.lock().unwrap().push(cycle.now());
+            let index = usize::try_from(cycle.number() - 1).unwrap();
+            for ms in requests.get(index).copied().unwrap_or_default() {
+                cycle.request_cycle_at(Time::from_nanos(ms * 1_000_000));
+            }
+            Ok(())
+        }
+    })
+}
+
+/// The times (ms) of the cycles of an event-driven component that requests cycles at these times and is triggered at 30 ms.
+fn requested(activity: Activity, requests: &'static [&'static [i64]]) -> Vec<u64> {
+    let times = Arc::default();
+    let mut system = System::new();
+    system
+        .add("Waiting", activity, requesting(requests, &times))
+        .unwrap();
+    let mut run = system.simulate();
+    run.inject(at(30), "Waiting.in", number(1)).unwrap();
+    run.run_until(at(1000));
+    let times = times.lock().unwrap();
+    let since = |time: &Time| u64::try_from(time.since(Time::ZERO).as_millis()).unwrap();
+    times.iter().map(since).collect()
+}
+
+#[test]
+fn a_component_requests_a_cycle_at_a_time() {
+    let times = |requests| requested(Activity::event(), requests);
+    // the earliest of several
+    assert_eq!(times(&[&[70, 20, 50]]), [0, 20, 30]);
+    // the trigger at 30 ms ends the request, unless it is made again
+    assert_eq!(times(&[&[200]]), [0, 30]);
+    assert_eq!(times(&[&[200], &[200]]), [0, 30, 200]);
+    // a trigger at the same time is one cycle
+    assert_eq!(times(&[&[30]]), [0, 30]);
+    // a time that has passed: at once
+    assert_eq!(times(&[&[200], &[10, -5]]), [0, 30, 30]);
+    // an earlier request after a later one, and one that moves away
+    assert_eq!(times(&[&[500], &[100], &[900]]), [0, 30, 100, 900]);
+    // periodic components have no use for it
+    assert_eq!(
+        requested(Activity::periodic(400.ms()), &[&[10]]),
+        [0, 400, 800]
+    );
+}
+
+#[test]
+fn a_stopped_component_has_no_cycle_that_it_requested() {
+    let times = Arc::default();
+    let mut system = System::new();
+    system
+        .add(
+            "Waiting",
+            Activity::event(),
+            requesting(&[&[50], &[80]], &times),
+        )
+        .unwrap();
+    let mut run = system.simulate();
+    run.run_until(at(20));
+    run.transition("Waiting", Transition::Stop).unwrap();
+    run.run_until(at(60));
+    run.transition("Waiting", Transition::Start).unwrap();
+    run.run_until(at(1000));
+    assert_eq!(*times.lock().unwrap(), [at(0), at(60), at(80)]);
+}
+
+#[test]
+fn a_component_that_requests_the_present_for_ever_is_a_loop() {
+    let mut system = System::new();
+    let endless = behaviour(|_| {
+        |cycle| {
+            cycle.request_cycle_at(cycle.now());
+            Ok(())
+        }
+    });
+    system.add("Endless", Activity::event(), endless).unwrap();
+    let mut run = system.simulate();
+    run.run_for(1.s());
+    assert_eq!(run.state("Endless"), Some(State::Exception));
+}

@@ -298,6 +298,12 @@ impl ProgramComponent {
         if wants_cycle || self.session()?.take_wake() {
             cycle.request_cycle();
         }
+        if let Some(at) = value_of(done, "at").filter(|it| !it.is_null()) {
+            let at = at.as_int().ok_or_else(|| {
+                ProgramError::protocol("`at` is not an integer, a time in nanoseconds")
+            })?;
+            cycle.request_cycle_at(Time::from_nanos(at));
+        }
         if let Some(period) = count_of(done, "period")? {
             cycle.set_period(Duration::from_nanos(period));
         }

@@ -12,6 +12,7 @@ use crate::descriptor::StatusSnapshot;
 use crate::frozen::{
     SystemFreezeError, SystemThawError, no_data, system_mismatch, trace_of, trace_text,
 };
+use crate::later_cycle::LaterCycle;
 use crate::service::{FrozenCalls, FrozenService, ThawContext};
 
 /// State of a unit between two cycles.
@@ -36,6 +37,8 @@ pub(crate) struct FrozenUnit {
     /// Traces that have arrived for the next cycle and of the last one.
     causes: [Option<String>; 2],
     lasts: Duration,
+    #[serde(default, skip_serializing_if = "LaterCycle::is_idle")]
+    later: LaterCycle,
 }
 
 impl FrozenUnit {
@@ -140,6 +143,7 @@ impl ComponentUnit {
             calls: body.caller.snapshot()?,
             causes: body.cause.snapshot().map(trace_text),
             lasts: body.cycle_duration,
+            later: body.later,
             name,
             layout,
             component,
@@ -217,6 +221,7 @@ impl ComponentUnit {
         body.cause.restore([trace_of(arrived)?, trace_of(present)?]);
         body.journal.clear();
         body.cycle_duration = frozen.lasts;
+        body.later = frozen.later;
         self.has_faulted = frozen.fell;
         self.resets = frozen.resets;
         self.state = frozen.state;

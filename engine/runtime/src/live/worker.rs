@@ -224,13 +224,16 @@ impl WorkerMember {
         }
     }
 
-    /// Nothing is due: sleeps until new data arrive or a call reaches its deadline.
+    /// Nothing is due: sleeps until new data arrive, a call reaches its deadline, or the cycle that the component has
+    /// requested is due.
     fn await_replies(&mut self, now: Time, context: &mut LiveContext) -> NextStep {
-        match self.unit.body.caller.deadline() {
+        let body = &self.unit.body;
+        let times = [body.caller.deadline(), body.later.time()];
+        match times.into_iter().flatten().min() {
             None => NextStep::Sleep,
             Some(deadline) if now < deadline => NextStep::SleepUntil(deadline),
             Some(_) => {
-                // ends the call, whose result triggers an event-driven component
+                // ends the call, whose result triggers an event-driven component, as does a requested cycle
                 self.unit.process_replies(now, context);
                 NextStep::SleepUntil(now)
             }

@@ -26,7 +26,7 @@ pub(super) enum DueWork {
         target: InjectionTarget,
         sample: Arc<dyn Sample>,
     },
-    /// End a call that has had no reply.
+    /// End a call that has had no reply, or trigger the cycle that the component has requested.
     Deadline { component: usize },
     /// Run a cycle because new data have arrived.
     Trigger { component: usize, generation: u64 },
