@@ -14,7 +14,7 @@ use asmotion_map::{MapFormat, MapFormats, MapServer};
 use asmotion_plan::Opened;
 use asmotion_planner::{MakePlanner, Planners, TrajectoryPlanner};
 
-use crate::programs::AskedPrograms;
+use crate::programs::{AskedPrograms, ProcessChoice, ProgramsHere};
 use crate::transport::{ConnectTransport, Transports};
 use catalogue::BuildCatalogue;
 use environment::ProcessEnvironment;
@@ -68,9 +68,25 @@ impl Build {
     }
 
     /// Opens a composite with properties set on the command line, as pairs of name and text. Starts the programs that
-    /// implement components, to ask them for their declarations.
+    /// implement components, to ask them for their declarations; those of processes with another `host` than this machine
+    /// may be absent.
     pub fn open(&self, path: &str, settings: &[(String, String)], loader: &dyn Loader) -> Opened {
-        self.open_with(path, settings, loader, &*self.programs)
+        self.open_for(ProcessChoice::on_this_machine(), path, settings, loader)
+    }
+
+    /// Like [`open`](Self::open), for these processes. The programs of others may be absent.
+    pub(crate) fn open_for(
+        &self,
+        choice: ProcessChoice,
+        path: &str,
+        settings: &[(String, String)],
+        loader: &dyn Loader,
+    ) -> Opened {
+        let programs = ProgramsHere {
+            programs: &*self.programs,
+            choice,
+        };
+        self.open_with(path, settings, loader, &programs)
     }
 
     /// Like [`open`](Self::open), with other declarations of programs.

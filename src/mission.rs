@@ -35,6 +35,7 @@ use asmotion_runtime::{Event, Observer, Pace, Run};
 
 use crate::build::Build;
 use crate::files::DiskLoader;
+use crate::programs::{ProcessChoice, ProgramsHere};
 use crate::story::{Story, Summary};
 use end_condition::{EndCondition, SLICE, awaited_updates};
 use version_switch::VersionSwitch;
@@ -332,6 +333,10 @@ impl Mission {
 
     /// Opens a version of the composite with the properties set on the command line.
     fn open(&self, composite: &str, files: &dyn Loader, programs: &dyn Programs) -> Opened {
+        let programs = &ProgramsHere {
+            programs,
+            choice: ProcessChoice::named(self.process.as_deref()),
+        };
         let opened = self
             .build
             .open_with(composite, &self.settings, files, programs);

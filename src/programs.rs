@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use asmotion_composite::model::Process;
 use asmotion_composite::{ProgramAnswer, Programs};
 use asmotion_plan::{Implementation, Plan};
 use asmotion_program::{ProgramCommand, ProgramError, ask};
@@ -38,6 +39,61 @@ impl Programs for AskedPrograms {
             .entry(key)
             .or_insert_with(|| ask(command, component));
         Some(answer.clone())
+    }
+}
+
+/// The processes of a composite that run here.
+#[derive(Clone, Debug)]
+pub enum ProcessChoice {
+    /// All: the whole composite runs in one process.
+    All,
+    /// The process of this name.
+    Named(String),
+    /// Those of this machine, and those without a `host`.
+    OnHost(String),
+}
+
+impl ProcessChoice {
+    /// The processes that run on this machine.
+    pub fn on_this_machine() -> Self {
+        Self::OnHost(this_machine())
+    }
+
+    /// The process of this name, or all without one.
+    pub fn named(process: Option<&str>) -> Self {
+        process.map_or(Self::All, |name| Self::Named(name.to_owned()))
+    }
+
+    fn includes(&self, name: &str, host: Option<&str>) -> bool {
+        match self {
+            Self::All => true,
+            Self::Named(chosen) => chosen == name,
+            Self::OnHost(here) => host.is_none_or(|host| host == here),
+        }
+    }
+}
+
+/// Name of this machine.
+pub fn this_machine() -> String {
+    let system = rustix::system::uname();
+    system.nodename().to_string_lossy().into_owned()
+}
+
+/// Programs, of which those of some processes run here. The others are asked, too, because their types are needed, but may be
+/// absent.
+pub struct ProgramsHere<'p> {
+    pub programs: &'p dyn Programs,
+    pub choice: ProcessChoice,
+}
+
+impl Programs for ProgramsHere<'_> {
+    fn ask(&self, command: &ProgramCommand, component: &str) -> Option<ProgramAnswer> {
+        self.programs.ask(command, component)
+    }
+
+    fn runs(&self, process: &Process) -> bool {
+        let host = process.host.as_ref().map(|it| it.value.as_str());
+        self.choice.includes(&process.name.value, host)
     }
 }
 

@@ -1,9 +1,15 @@
 //! The pages of the composite codes: the wrong example produces the code, the corrected one does not.
 
+use asmotion_component::Declaration;
+use asmotion_component::declaration::{
+    OperationDeclaration, ReferenceDeclaration, ServiceDeclaration,
+};
+use asmotion_composite::model::Process;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, ProgramAnswer, Programs, Tables};
+use asmotion_datum::Schema;
 use asmotion_diagnostics::Code;
 use asmotion_lang::{Diagnostic, MemoryFiles, Report, Severity};
-use asmotion_program::{ProgramCommand, ProgramError};
+use asmotion_program::{ProgramCommand, ProgramDeclaration, ProgramError};
 use std::collections::BTreeSet;
 
 const BUILD: Tables = Tables {
@@ -13,17 +19,58 @@ const BUILD: Tables = Tables {
     builtins: &[],
 };
 
-/// Knows that there is no program `grippr`, and asks no other one.
-struct MissingProgram;
+/// Knows that there is no program `grippr`, and what `surveyor` and `archive` declare. Asks no other one. Runs on another
+/// machine than `robot`.
+struct ExamplePrograms;
 
-impl Programs for MissingProgram {
+impl Programs for ExamplePrograms {
     fn ask(&self, command: &ProgramCommand, _: &str) -> Option<ProgramAnswer> {
-        (command.line() == "grippr").then(|| {
-            Err(ProgramError::NotStarted {
-                command: command.line(),
-                reason: "file not found".to_owned(),
-            })
-        })
+        let declaration = match &*command.line() {
+            "grippr" => {
+                return Some(Err(ProgramError::NotStarted {
+                    command: command.line(),
+                    reason: "file not found".to_owned(),
+                }));
+            }
+            "surveyor" => Declaration {
+                references: vec![ReferenceDeclaration {
+                    name: "maps".to_owned(),
+                    interface: "nav/MapService".to_owned(),
+                    doc: String::new(),
+                    optional: false,
+                    operations: vec![erase()],
+                }],
+                ..Declaration::default()
+            },
+            "archive" => Declaration {
+                services: vec![ServiceDeclaration {
+                    name: "maps".to_owned(),
+                    interface: "nav/MapService".to_owned(),
+                    doc: String::new(),
+                    operations: vec![erase()],
+                }],
+                ..Declaration::default()
+            },
+            _ => return None,
+        };
+        Some(Ok(ProgramDeclaration::new(String::new(), declaration)))
+    }
+
+    fn runs(&self, process: &Process) -> bool {
+        process
+            .host
+            .as_ref()
+            .is_none_or(|host| host.value != "robot")
+    }
+}
+
+/// An operation that the map server of the build lacks.
+fn erase() -> OperationDeclaration {
+    OperationDeclaration {
+        name: "erase".to_owned(),
+        request: Schema::opaque("std_msgs/Empty"),
+        response: Schema::opaque("std_msgs/Empty"),
+        while_stopped: false,
     }
 }
 
@@ -84,7 +131,7 @@ fn found(code: &Code, info: &str) -> Option<Report> {
         environment: &EmptyEnvironment,
         catalogue: &BUILD,
         specifications: &AsmFiles::new(&files),
-        programs: &MissingProgram,
+        programs: &ExamplePrograms,
         settings: &[],
     };
     Some(asmotion_plan::open("example.toml", &context).report)

@@ -1,5 +1,7 @@
 //! Components in other programs, written in Python with its standard library alone.
 
+mod machines;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -178,6 +180,59 @@ fn a_coordinator_calls_a_program_and_two_runs_are_equal() {
         "wall",
     ]);
     assert_eq!(code, Some(0), "{out}{err}");
+}
+
+#[test]
+fn a_run_with_a_program_is_recorded_as_json_and_replayed() {
+    let Some(workshop) = Workshop::new() else {
+        return;
+    };
+    for clock in ["virtual", "wall"] {
+        let arguments = ["run", FILE, "--until", "mode=CLOSED", "--for", "10"];
+        let recording = ["--clock", clock, "--json", "--trace", "run.trace"];
+        let (code, out, err) = workshop.run(&[&arguments[..], &recording].concat());
+        assert_eq!(code, Some(0), "{clock}: {out}{err}");
+        let events: Vec<serde_json::Value> = out
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        let is_of_program = |event: &serde_json::Value, kind: &str| {
+            event["component"] == "Gripper" && event["type"] == kind
+        };
+        for kind in ["call", "reply"] {
+            let is_shown = events.iter().any(|event| is_of_program(event, kind));
+            assert!(is_shown, "{clock}: {out}");
+        }
+        let replay = ["sim", "grasp.asm", "--replay-inputs", "run.trace", "-q"];
+        let (code, out, err) = workshop.run(&replay);
+        assert_eq!(code, Some(0), "{clock}: {out}{err}");
+        assert!(out.contains("  mode = CLOSED\n"), "{clock}: {out}");
+    }
+}
+
+#[test]
+fn two_components_have_the_same_program() {
+    let Some(workshop) = Workshop::new() else {
+        return;
+    };
+    let second = r#"
+[components.Second]
+implementation = { process = ["python3", "gripper.py"] }
+activity = { period_ms = 100 }
+subscribe = { command = "acme/GripperCommand" }
+properties = { speed = 0.4 }
+
+[[wires]]"#;
+    let wire = "service = \"Gripper.grip\"";
+    workshop.change(&[("[[wires]]", second), (wire, "service = \"Second.grip\"")]);
+    let arguments = ["run", FILE, "--for", "1", "--record", "run.csv"];
+    let ports = ["--ports", "*.state", "--json"];
+    let (code, out, err) = workshop.run(&[&arguments[..], &ports].concat());
+    assert_eq!(code, Some(0), "{out}{err}");
+    insta::assert_snapshot!(
+        "same_program",
+        std::fs::read_to_string(workshop.path("run.csv")).unwrap()
+    );
 }
 
 #[test]

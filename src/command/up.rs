@@ -16,6 +16,7 @@ use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::mission::MissionError;
+use crate::programs::{ProcessChoice, this_machine};
 use crate::terminal::TerminalOutput;
 use crate::transport::BrokerAccess;
 
@@ -64,7 +65,9 @@ impl Up {
         let settings: Vec<(String, String)> = settings
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
             .collect();
-        let opened = build.open(&self.composite, &settings, &DiskLoader);
+        let here = self.host.clone().unwrap_or_else(this_machine);
+        let choice = ProcessChoice::OnHost(here.clone());
+        let opened = build.open_for(choice, &self.composite, &settings, &DiskLoader);
         terminal.report(&opened.report, &opened.sources);
         if opened.report.has_errors() {
             return Exit::refused(&self.composite);
@@ -77,7 +80,7 @@ impl Up {
             });
             return Exit::Usage;
         };
-        match self.children(plan, terminal) {
+        match self.children(plan, &here, terminal) {
             Ok(children) => supervise(children, terminal),
             Err(problem) => {
                 terminal.error(problem);
@@ -90,19 +93,13 @@ impl Up {
     fn children(
         &self,
         plan: &Plan,
+        here: &str,
         terminal: &mut TerminalOutput,
     ) -> Result<Vec<SupervisedProcess>, String> {
         if let ([process, _, ..], None, []) = (&*plan.processes, &self.bus, &*plan.brokers) {
             let process = process.name.clone();
             return Err(MissionError::NeedsBroker { process }.to_string());
         }
-        let here = match &self.host {
-            Some(host) => host.clone(),
-            None => rustix::system::uname()
-                .nodename()
-                .to_string_lossy()
-                .into_owned(),
-        };
         let is_here = |it: &&Process| it.host.as_ref().is_none_or(|host| *host == here);
         let (mine, elsewhere): (Vec<_>, Vec<_>) = plan.processes.iter().partition(is_here);
         let hosts = elsewhere.iter().filter_map(|it| it.host.as_deref());

@@ -113,6 +113,7 @@ pub(crate) mod c149;
 pub(crate) mod c150;
 pub(crate) mod c151;
 pub(crate) mod c153;
+pub(crate) mod c154;
 
 use asmotion_diagnostics::Code;
 
@@ -229,4 +230,5 @@ pub const CODES: &[&Code] = &[
     c150::UnmappedOperation::CODE,
     c151::NoSingleProvider::CODE,
     c153::ProgramWithoutDeclaration::CODE,
+    c154::ProgramElsewhere::CODE,
 ];

@@ -6,7 +6,7 @@ use crate::codes::c002::UnreadableComposite;
 use crate::codes::c080::CircularInclusion;
 use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_component::Declaration;
 use asmotion_diagnostics::{Report, Sources, Span};
@@ -17,7 +17,7 @@ use crate::context::Context;
 use crate::discovery;
 use crate::finding::Findings;
 use crate::model::binding::Bind;
-use crate::model::{Component, Composite, Implementation};
+use crate::model::{Component, Composite, Implementation, Process};
 use crate::pattern;
 use crate::programs::{ExtendedCatalogue, ProgramAnswer, command_of};
 use crate::provider::{NamedInterfaces, ServiceScope};
@@ -42,6 +42,8 @@ pub struct Member {
     paths: BTreeMap<String, String>,
     /// Declarations of the programs that implement components, by component; those that were not asked are absent.
     programs: BTreeMap<String, ProgramAnswer>,
+    /// Names of the components that only processes elsewhere run.
+    elsewhere: BTreeSet<String>,
 }
 
 impl Family {
@@ -66,6 +68,7 @@ impl Family {
             promoted: BTreeMap::new(),
             broken: Vec::new(),
             chain: Vec::new(),
+            is_elsewhere: false,
         };
         visit.composite(&root, None);
         let Visit {
@@ -185,6 +188,11 @@ impl Member {
         self.paths.get(file).map(String::as_str)
     }
 
+    /// Returns whether only processes elsewhere run a component.
+    pub fn is_elsewhere(&self, component: &str) -> bool {
+        self.elsewhere.contains(component)
+    }
+
     /// Returns the declaration of the program that implements a component; `None` if it was not asked.
     pub fn program(&self, component: &str) -> Option<&ProgramAnswer> {
         self.programs.get(component)
@@ -233,6 +241,8 @@ struct Visit<'v, 'c> {
     broken: Vec<String>,
     /// Composites being read, outermost first, each with the location that includes the next.
     chain: Vec<(String, Option<Span>)>,
+    /// The composite being read is part of a component that runs elsewhere.
+    is_elsewhere: bool,
 }
 
 impl Visit<'_, '_> {
@@ -258,7 +268,11 @@ impl Visit<'_, '_> {
                 paths.insert(file.value.clone(), found);
             }
         }
-        for component in &composite.components {
+        let elsewhere = self.elsewhere(&composite);
+        // a file that is nested here and elsewhere is read as one that is nested here
+        let mut components: Vec<&Component> = composite.components.iter().collect();
+        components.sort_by_key(|it| elsewhere.contains(&it.name.value));
+        for component in components {
             match &component.implementation {
                 Some(Implementation::Asm { file, .. }) => {
                     if let Some(found) = self.resolve(file) {
@@ -267,11 +281,14 @@ impl Visit<'_, '_> {
                     }
                 }
                 Some(Implementation::Composite(file)) => {
+                    let outer = self.is_elsewhere;
+                    self.is_elsewhere = elsewhere.contains(&component.name.value);
                     if let Some(found) = self.resolve(file)
                         && self.nest(&found, file.span)
                     {
                         paths.insert(file.value.clone(), found);
                     }
+                    self.is_elsewhere = outer;
                 }
                 _ => {}
             }
@@ -303,8 +320,29 @@ impl Visit<'_, '_> {
                 composite,
                 paths,
                 programs,
+                elsewhere,
             },
         );
+    }
+
+    /// Returns the names of the components that only processes elsewhere run. The processes are those of the outermost
+    /// composite.
+    fn elsewhere(&self, composite: &Composite) -> BTreeSet<String> {
+        if self.is_elsewhere {
+            let components = composite.components.iter();
+            return components.map(|it| it.name.value.clone()).collect();
+        }
+        if self.chain.len() > 1 {
+            return BTreeSet::new();
+        }
+        let deployed = composite.deploy.iter().flat_map(|it| &it.processes);
+        let (here, elsewhere): (Vec<_>, Vec<_>) =
+            deployed.partition(|it| self.context.programs.runs(it));
+        let names = |of: Vec<&Process>| -> BTreeSet<String> {
+            let names = of.into_iter().flat_map(|it| &it.components);
+            names.map(|it| it.value.clone()).collect()
+        };
+        &names(elsewhere) - &names(here)
     }
 
     /// Asks the programs of a composite for their declarations.

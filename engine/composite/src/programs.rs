@@ -10,7 +10,7 @@ use asmotion_datum::Schema;
 use asmotion_program::{ProgramCommand, ProgramDeclaration, ProgramError};
 
 use crate::catalogue::{Catalogue, ComponentFactory};
-use crate::model::{BuiltinComponent, Implementation};
+use crate::model::{BuiltinComponent, Implementation, Process};
 
 /// The declaration of a program, or the reason that there is none.
 pub type ProgramAnswer = Result<ProgramDeclaration, ProgramError>;
@@ -19,6 +19,11 @@ pub type ProgramAnswer = Result<ProgramDeclaration, ProgramError>;
 pub trait Programs {
     /// Returns the declaration of a program that implements a component of this name; `None` if it is not asked.
     fn ask(&self, command: &ProgramCommand, component: &str) -> Option<ProgramAnswer>;
+
+    /// Returns whether a process of the composite runs here. The programs of another process can be absent on this machine.
+    fn runs(&self, _process: &Process) -> bool {
+        true
+    }
 }
 
 /// Asks no program. The declarations of their components are not verified, and they cannot be started.

@@ -91,6 +91,15 @@ pub(crate) fn connect(
 }
 
 impl ProgramDeclaration {
+    /// A declaration by a program with this name and version.
+    pub fn new(implementation: String, declared: Declaration) -> Self {
+        Self {
+            implementation,
+            declaration: declared.clone(),
+            declared,
+        }
+    }
+
     /// Reads the reply to `hello`.
     fn read(reply: &Datum) -> Result<Self, ProgramError> {
         let version = reply.get("protocol").and_then(|it| it.as_int());
@@ -101,11 +110,8 @@ impl ProgramDeclaration {
             )));
         }
         let declared: Declaration = reply.to().map_err(|error| misfit("", &error))?;
-        Ok(Self {
-            implementation: text_of(reply, "implementation").unwrap_or_default(),
-            declaration: declared.clone(),
-            declared,
-        })
+        let implementation = text_of(reply, "implementation").unwrap_or_default();
+        Ok(Self::new(implementation, declared))
     }
 
     /// Returns whether both programs have declared the same.

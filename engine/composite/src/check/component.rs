@@ -11,6 +11,7 @@ use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
 use crate::codes::c128::VerificationNotSupported;
 use crate::codes::c153::ProgramWithoutDeclaration;
+use crate::codes::c154::ProgramElsewhere;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -263,6 +264,18 @@ fn program(
 ) -> Endpoints {
     match scene.member.program(&component.name.value) {
         Some(Ok(program)) => known(scene, component, command, &program.declaration, report),
+        Some(Err(reason)) if scene.member.is_elsewhere(&component.name.value) => {
+            report.found(ProgramElsewhere {
+                command: command.value.clone(),
+                at: command.span,
+                unverified: members(component),
+                reason: reason.clone(),
+            });
+            Endpoints {
+                blank: true,
+                ..listed(component, report)
+            }
+        }
         Some(Err(reason)) => {
             let directory = component.implementation.as_ref();
             let directory = directory.and_then(|it| command_of(it, scene.path));
@@ -290,6 +303,28 @@ fn program(
             listed(component, report)
         }
     }
+}
+
+/// The ports, services, references and properties that the composite lists for a component, as words of a text.
+fn members(component: &Component) -> Vec<String> {
+    let listed = [
+        ("input", &component.ports.inputs),
+        ("input", &component.subscribe),
+        ("output", &component.ports.outputs),
+        ("output", &component.publish),
+        ("service", &component.services),
+    ];
+    let listed = listed
+        .into_iter()
+        .flat_map(|(what, list)| list.iter().map(move |it| (what, &it.name)));
+    let references = component
+        .references
+        .iter()
+        .map(|it| ("reference", &it.name));
+    let properties = component.properties.iter().map(|it| ("property", &it.name));
+    let all = listed.chain(references).chain(properties);
+    all.map(|(what, name)| format!("{what} `{}`", name.value))
+        .collect()
 }
 
 /// Way out where a program was not asked for its declaration.

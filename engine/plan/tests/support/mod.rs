@@ -7,6 +7,7 @@ pub mod render;
 pub mod specification;
 pub mod variables;
 
+use asmotion_composite::model::Process;
 use asmotion_composite::{Context, ProgramAnswer, Programs};
 use asmotion_plan::Opened;
 use asmotion_program::{ProgramCommand, ProgramError};
@@ -15,7 +16,7 @@ pub use catalogue::SmallBuild;
 pub use files::Files;
 pub use variables::Variables;
 
-/// Knows that there is no program `missing`, and asks no other one.
+/// Knows that there is no program `missing`, and asks no other one. Runs on another machine than `robot`.
 struct MissingProgram;
 
 impl Programs for MissingProgram {
@@ -25,6 +26,13 @@ impl Programs for MissingProgram {
             command: command.clone(),
             reason: "file not found".to_owned(),
         }))
+    }
+
+    fn runs(&self, process: &Process) -> bool {
+        process
+            .host
+            .as_ref()
+            .is_none_or(|host| host.value != "robot")
     }
 }
 
