@@ -211,6 +211,50 @@ fn a_run_with_a_program_is_recorded_as_json_and_replayed() {
 }
 
 #[test]
+fn operations_of_programs_and_components_are_compared() {
+    let Some(workshop) = Workshop::new() else {
+        return;
+    };
+    let mut text = String::new();
+    // a program to a program, to a component of the executable, and the reverse
+    for (reference, service) in [
+        ("Other.grip", "Gripper.grip"),
+        ("Other.planner", "Planner.planning"),
+        ("Planner.maps", "Other.maps"),
+    ] {
+        let part = format!(
+            r#"
+schema = "composite/1"
+[composite]
+name = "mixed"
+[components.Gripper]
+implementation = {{ process = ["python3", "gripper.py"] }}
+activity = {{ period_ms = 100 }}
+[components.Other]
+implementation = {{ process = ["python3", "differing.py"] }}
+activity = {{ period_ms = 100 }}
+[components.Planner]
+implementation = {{ rust = "nav::TrajectoryPlanner" }}
+activity = {{ period_ms = 100 }}
+subscribe = {{ obstacles = "nav/Obstacles" }}
+[[promote]]
+topic = "obstacles"
+as = "obstacles"
+[[wires]]
+reference = "{reference}"
+service = "{service}"
+timeout_ms = 500
+"#
+        );
+        std::fs::write(workshop.path("mixed.composite.toml"), part).unwrap();
+        let (code, _, err) = workshop.run(&["check", "mixed.composite.toml"]);
+        assert_eq!(code, Some(1), "{err}");
+        text += &err;
+    }
+    insta::assert_snapshot!("operations", text);
+}
+
+#[test]
 fn two_components_have_the_same_program() {
     let Some(workshop) = Workshop::new() else {
         return;

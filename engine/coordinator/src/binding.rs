@@ -349,9 +349,12 @@ fn actions(binding: &Binding) -> impl Iterator<Item = &Action> {
     cases.flat_map(|case| &case.actions)
 }
 
-pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &Call> {
-    actions(binding).filter_map(|action| match action {
-        Action::Call(call) => Some(call),
-        Action::Publish { .. } => None,
-    })
+impl Binding {
+    /// The calls of all updates, in order.
+    pub fn calls(&self) -> impl Iterator<Item = &Call> {
+        actions(self).filter_map(|action| match action {
+            Action::Call(call) => Some(call),
+            Action::Publish { .. } => None,
+        })
+    }
 }

@@ -1,7 +1,7 @@
 //! The component that runs a specification.
 
 use crate::bind_error::BindError;
-use crate::binding::{Binding, Interfaces, calls};
+use crate::binding::{Binding, Interfaces};
 use crate::content::AfterStep;
 use crate::effects::{EffectHandles, EffectOutbox, OutputResolver};
 use crate::fingerprint::fingerprint;
@@ -312,7 +312,7 @@ fn declare(
         let port = interface.output_of(name, message.clone(), "bound to the specification");
         handles.outputs.push((name.clone(), port));
     }
-    for call in calls(binding) {
+    for call in binding.calls() {
         let operation = &call.operation;
         if handles
             .operations

@@ -3,7 +3,6 @@
 //! A request gets its reply after the step that reads it or, if a call is made on its behalf, when that call ends.
 
 use crate::bind_error::BindError;
-use crate::binding::calls;
 use crate::binding::{Binding, BoundOperation, Interfaces, Source};
 use asmotion_component::{Cycle, Dynamic, Interface, Provided, RequestId, ServiceFault};
 use asmotion_datum::Datum;
@@ -59,7 +58,9 @@ impl Requests {
             requests.served.push(RequestInput {
                 operation: bound.clone(),
                 handle: interface.serve_of(service, kind, operation, doc),
-                is_forwarded: calls(binding).any(|call| call.reply.as_ref() == Some(service)),
+                is_forwarded: binding
+                    .calls()
+                    .any(|call| call.reply.as_ref() == Some(service)),
                 received: Vec::new(),
                 last: None,
                 open: Vec::new(),

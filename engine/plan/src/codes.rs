@@ -8,6 +8,7 @@ pub(crate) mod c068;
 pub(crate) mod c069;
 pub(crate) mod c082;
 pub(crate) mod c152;
+pub(crate) mod c155;
 
 use asmotion_diagnostics::Code;
 
@@ -21,4 +22,5 @@ pub const CODES: &[&Code] = &[
     c069::OwnRobot::CODE,
     c082::TooManyComponents::CODE,
     c152::TokenInClear::CODE,
+    c155::OperationMismatch::CODE,
 ];

@@ -84,10 +84,13 @@ impl Flattener<'_, '_> {
         let Some(reference) = self.inside(index, &wire.reference, "reference") else {
             return;
         };
-        let services = wire.services.iter();
-        let services: Vec<End> = services
-            .filter_map(|end| self.inside(index, end, "service"))
-            .collect();
+        let mut services = Vec::new();
+        for written in &wire.services {
+            if let Some(service) = self.inside(index, written, "service") {
+                self.compare_operations(wire, &reference, (written, &service));
+                services.push(service);
+            }
+        }
         if services.is_empty() && wire.url.is_none() {
             return;
         }

@@ -3,6 +3,7 @@
 mod component;
 mod endpoint;
 mod join;
+mod operations;
 mod order;
 mod place;
 mod topic;

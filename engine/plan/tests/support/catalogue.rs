@@ -53,6 +53,24 @@ impl Catalogue for SmallBuild {
                 ],
                 ..Declaration::default()
             },
+            // calls `getMap` with another request, and an operation that nobody serves
+            "nav::Surveyor" => Declaration {
+                references: vec![ReferenceDeclaration {
+                    operations: vec![
+                        operation("getMap", "std_msgs/Bool", "nav_msgs/OccupancyGrid"),
+                        operation("eraseMap", "nav/Place", "std_msgs/Empty"),
+                    ],
+                    ..reference("maps", "nav/MapService")
+                }],
+                ..Declaration::default()
+            },
+            "nav::Archive" => Declaration {
+                services: vec![ServiceDeclaration {
+                    operations: vec![operation("getMap", "nav/Place", "nav_msgs/OccupancyGrid")],
+                    ..service("maps", "nav/MapService")
+                }],
+                ..Declaration::default()
+            },
             "nav::Follower" => Declaration {
                 inputs: vec![
                     port("path", "nav_msgs/Path"),
@@ -199,12 +217,11 @@ fn port(name: &str, message: &str) -> PortDeclaration {
 }
 
 fn service(name: &str, interface: &str) -> ServiceDeclaration {
-    let (name, interface) = (name.to_owned(), interface.to_owned());
     ServiceDeclaration {
-        name,
-        interface,
+        name: name.to_owned(),
+        interface: interface.to_owned(),
         doc: String::new(),
-        operations: Vec::new(),
+        operations: SmallBuild.operations(interface).unwrap_or_default(),
     }
 }
 
@@ -214,7 +231,17 @@ fn reference(name: &str, interface: &str) -> ReferenceDeclaration {
         interface: interface.to_owned(),
         doc: String::new(),
         optional: true,
-        operations: Vec::new(),
+        operations: SmallBuild.operations(interface).unwrap_or_default(),
+    }
+}
+
+fn operation(name: &str, request: &str, response: &str) -> OperationDeclaration {
+    let message = |name| SmallBuild.schema(name).expect("a message of this build");
+    OperationDeclaration {
+        name: name.to_owned(),
+        request: message(request),
+        response: message(response),
+        while_stopped: false,
     }
 }
 
