@@ -8,7 +8,7 @@ use asmotion_datum::Datum;
 use rustix::event::{PollFd, PollFlags, poll};
 
 use crate::error::ProgramError;
-use crate::frame::{self, FrameBuffer};
+use crate::frame::{self, CHUNK, FrameBuffer};
 use crate::log::ProgramLog;
 use crate::process::{ProgramProcess, REST};
 use crate::waiting::timespec;
@@ -161,7 +161,10 @@ impl ProgramConnection {
         ends.extend(pipe.map(|pipe| PollFd::new(pipe, PollFlags::IN)));
         // an interrupted wait is repeated by the caller
         let _ = poll(&mut ends, Some(&timespec(left.min(NAP))));
-        self.log.read(4);
+        let log = ends.get(1).map(PollFd::revents);
+        if log.is_some_and(|events| !events.is_empty()) {
+            self.log.read(4);
+        }
         true
     }
 
@@ -173,6 +176,8 @@ impl ProgramConnection {
             }
             match self.received.read(&self.stream) {
                 Ok(0) => self.is_at_end = true,
+                // nothing is left
+                Ok(count) if count < CHUNK => break,
                 Ok(_) => {}
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

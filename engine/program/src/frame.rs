@@ -12,8 +12,8 @@ pub(crate) const LONGEST: usize = 64 << 20;
 /// Bytes of the length before each frame.
 const HEADER: usize = 4;
 
-/// Number of bytes that are read at once; memory grows with the bytes that arrive, not with the announced length.
-const CHUNK: usize = 256 << 10;
+/// Least number of bytes that are read at once; memory grows with the bytes that arrive, not with the announced length.
+pub(crate) const CHUNK: usize = 256 << 10;
 
 /// Encodes a message with its length.
 ///
@@ -42,23 +42,27 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Datum, DatumError> {
 /// Collects received bytes to frames.
 #[derive(Default)]
 pub(crate) struct FrameBuffer {
+    /// Received bytes, and space for more.
     bytes: Vec<u8>,
+    /// Number of received bytes.
+    received: usize,
 }
 
 impl FrameBuffer {
     /// Reads once from a socket that does not block. Returns the number of bytes; 0 at its end.
     pub(crate) fn read(&mut self, mut from: impl Read) -> io::Result<usize> {
-        let before = self.bytes.len();
-        self.bytes.resize(before + CHUNK, 0);
-        let count = from.read(&mut self.bytes[before..]);
-        let received = *count.as_ref().unwrap_or(&0);
-        self.bytes.truncate(before + received);
-        count
+        let end = self.received + CHUNK;
+        if self.bytes.len() < end {
+            self.bytes.resize(end, 0);
+        }
+        let count = from.read(&mut self.bytes[self.received..])?;
+        self.received += count;
+        Ok(count)
     }
 
     /// Returns whether more than the longest frame is waiting, so that a frame must be taken before more is read.
     pub(crate) fn is_full(&self) -> bool {
-        self.bytes.len() > LONGEST + CHUNK
+        self.received > LONGEST + CHUNK
     }
 
     /// Removes and returns the content of the first frame; `None` until all of it has been received.
@@ -66,7 +70,8 @@ impl FrameBuffer {
     /// # Errors
     /// The announced length is too great.
     pub(crate) fn next(&mut self) -> Result<Option<Vec<u8>>, ProgramError> {
-        let Some((header, rest)) = self.bytes.split_first_chunk::<HEADER>() else {
+        let received = &self.bytes[..self.received];
+        let Some((header, rest)) = received.split_first_chunk::<HEADER>() else {
             return Ok(None);
         };
         let length = usize::try_from(u32::from_le_bytes(*header)).unwrap_or(usize::MAX);
@@ -80,7 +85,9 @@ impl FrameBuffer {
             return Ok(None);
         };
         let content = content.to_vec();
-        self.bytes.drain(..HEADER + length);
+        let end = HEADER + length;
+        self.bytes.copy_within(end..self.received, 0);
+        self.received -= end;
         Ok(Some(content))
     }
 }

@@ -54,7 +54,16 @@ impl ProgramSession {
         request: ProgramRequest,
         kind: &'static str,
     ) -> Result<Datum, ProgramError> {
-        lock(&self.connection).exchange(&request.datum(), kind, self.timeout)
+        let mut connection = lock(&self.connection);
+        let watched = |is_watched| {
+            if let Some(watcher) = &self.watcher {
+                watcher.set_watched(is_watched);
+            }
+        };
+        watched(false);
+        let reply = connection.exchange(&request.datum(), kind, self.timeout);
+        watched(true);
+        reply
     }
 
     pub(super) fn is_closed(&self) -> bool {
