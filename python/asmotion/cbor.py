@@ -42,6 +42,11 @@ _ELEMENTS.update({tag: (element, "big") for element, tag in _BIG_TAGS.items()})
 _ELEMENTS[68] = (("u", 1), "little")  # clamped arithmetic
 
 
+_SIMPLE = {None: 0xF6, True: 0xF5, False: 0xF4}
+_DOUBLE = struct.Struct(">d")
+_DOUBLE_ITEM = struct.Struct(">Bd")
+
+
 class CborError(ValueError):
     """Bytes that are not one CBOR item, or a value that has no form in CBOR."""
 
@@ -100,23 +105,24 @@ class _Writer:
     def write(self, value: Any, depth: int) -> None:
         kind = type(value)
         if kind is float:
-            self.pending += struct.pack(">Bd", 0xFB, value)
+            self.pending += _DOUBLE_ITEM.pack(0xFB, value)
         elif kind is int:
             self.whole(value)
         elif kind is str:
-            text = value.encode()
-            self.head(3, len(text))
-            self.raw(text)
+            self.text(value)
         elif value is None or kind is bool:
-            self.pending.append({None: 0xF6, True: 0xF5, False: 0xF4}[value])
+            self.pending.append(_SIMPLE[value])
         elif depth == 0:
             raise CborError(f"lists and maps are nested more than {DEPTH} deep")
-        elif isinstance(value, Mapping):
+        elif kind is dict or isinstance(value, Mapping):
             self.mapping(value, depth - 1)
         elif kind is list or kind is tuple:
             self.head(4, len(value))
             for index, element in enumerate(value):
-                _at(f"[{index}]", self.write, element, depth - 1)
+                try:
+                    self.write(element, depth - 1)
+                except CborError as error:
+                    raise _within(f"[{index}]", error) from None
         elif isinstance(value, (bytes, bytearray)):
             self.head(2, len(value))
             self.raw(value)
@@ -131,13 +137,21 @@ class _Writer:
         else:
             self.head(1, -1 - value)
 
+    def text(self, value: str) -> None:
+        text = value.encode()
+        self.head(3, len(text))
+        self.raw(text)
+
     def mapping(self, value: Mapping[Any, Any], depth: int) -> None:
         self.head(5, len(value))
         for key, element in value.items():
             if not isinstance(key, str):
                 raise CborError(f"the key {key!r} is not a text")
-            self.write(key, 1)
-            _at(f".{key}", self.write, element, depth)
+            self.text(key)
+            try:
+                self.write(element, depth)
+            except CborError as error:
+                raise _within(f".{key}", error) from None
 
     def other(self, value: Any, depth: int) -> None:
         """Writes subclasses of the plain types, numbers of numpy, and arrays."""
@@ -179,17 +193,11 @@ class _Writer:
         self.raw(content)
 
 
-def _at(place: str, write: Any, element: Any, depth: int) -> None:
-    try:
-        write(element, depth)
-    except CborError as error:
-        raise CborError(_within(place, str(error))) from None
-
-
-def _within(place: str, text: str) -> str:
+def _within(place: str, error: CborError) -> CborError:
+    text = str(error)
     if text.startswith("at "):
-        return f"at {place}{text[3:]}"
-    return f"at {place}: {text}"
+        return CborError(f"at {place}{text[3:]}")
+    return CborError(f"at {place}: {text}")
 
 
 def loads(data: Buffer) -> Any:
@@ -240,15 +248,20 @@ class _Reader:
     def item(self, depth: int) -> Any:
         if depth == 0:
             raise CborError(f"lists and maps are nested more than {DEPTH} deep")
-        first = self.take(1)[0]
+        at = self.at
+        try:
+            first = self.memory[at]
+        except IndexError:
+            raise CborError("unexpected end") from None
+        self.at = at + 1
         major, more = first >> 5, first & 31
         if major == 7:
             return self.simple(more)
-        argument = self.argument(more)
+        argument = more if more < 24 else self.argument(more)
         if major == 2:
             return NumberView(self.take(argument) if argument is not None else memoryview(self.pieces(2)))
         if major == 3:
-            return _utf8(bytes(self.take(argument)) if argument is not None else self.pieces(3))
+            return _utf8(self.take(argument) if argument is not None else self.pieces(3))
         if major == 4:
             return list(self.elements(argument, depth))
         if major == 5:
@@ -260,12 +273,18 @@ class _Reader:
         return argument if major == 0 else -1 - argument
 
     def simple(self, more: int) -> Any:
+        if more == 27:
+            self.at += 8
+            try:
+                return _DOUBLE.unpack_from(self.memory, self.at - 8)[0]
+            except struct.error:
+                raise CborError("unexpected end") from None
         if more == 20 or more == 21:
             return more == 21
         if more == 22 or more == 23:
             return None
-        if more in (25, 26, 27):
-            return struct.unpack({25: ">e", 26: ">f", 27: ">d"}[more], self.take(1 << (more - 24)))[0]
+        if more in (25, 26):
+            return struct.unpack({25: ">e", 26: ">f"}[more], self.take(1 << (more - 24)))[0]
         if more == 31:
             return _BREAK
         raise CborError(f"unknown simple value {more}")
@@ -290,15 +309,19 @@ class _Reader:
             yield value
 
     def mapping(self, count: int | None, depth: int) -> dict[str, Any]:
-        entries = {}
-        halves = self.elements(None if count is None else 2 * count, depth)
-        for key in halves:
+        entries: dict[str, Any] = {}
+        left = count
+        while left is None or left > 0:
+            key = self.item(depth - 1)
+            if key is _BREAK and left is None:
+                break
             if not isinstance(key, str):
-                raise CborError(f"the key {key!r} is not a text")
-            try:
-                entries[key] = next(halves)
-            except StopIteration:
-                raise CborError(f"the key {key!r} has no value") from None
+                raise CborError("a break outside of a list" if key is _BREAK else f"the key {key!r} is not a text")
+            value = self.item(depth - 1)
+            if value is _BREAK:
+                raise CborError(f"the key {key!r} has no value" if left is None else "a break outside of a list")
+            entries[key] = value
+            left = None if left is None else left - 1
         return entries
 
     def tagged(self, tag: int, depth: int) -> Any:
@@ -318,8 +341,8 @@ class _Reader:
         return NumberView(memoryview(swapped))
 
 
-def _utf8(content: bytes) -> str:
+def _utf8(content: Buffer) -> str:
     try:
-        return content.decode()
+        return str(content, "utf-8")
     except UnicodeDecodeError as error:
         raise CborError(f"a text that is not UTF-8: {error}") from None
