@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import inspect
 import os
 import socket
@@ -365,6 +366,8 @@ def run(cls: type[Component]) -> NoReturn:
     sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     connection = Connection(path)
     program = Program(cls, connection.wake)
+    # what has been imported stays: the garbage collector need not pause cycles to visit it
+    gc.freeze()
     while (request := connection.receive()) is not None and request.get("type") != "exit":
         reply = program.handle(request)
         try:
