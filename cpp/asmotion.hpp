@@ -481,7 +481,7 @@ namespace detail {
 struct Effects {
     Buffer outputs, calls, cancel, replies, reports;
     bool again = false;
-    std::optional<std::int64_t> period, duration;
+    std::optional<std::int64_t> at, period, duration;
     std::optional<Fault> error;
     std::uint8_t* shared = nullptr;
     std::size_t shared_size = 0, shared_used = 0;
@@ -492,7 +492,7 @@ struct Effects {
             list->is_failed = false;
         }
         again = false;
-        period = duration = std::nullopt;
+        at = period = duration = std::nullopt;
         error = std::nullopt;
         shared_used = 0;
     }
@@ -539,6 +539,11 @@ public:
     }
     /// Requests another cycle at once; for event-driven components.
     void again() { effects_->again = true; }
+    /// Requests a cycle at this time, at once if it has passed; for event-driven components. The earliest of several requests
+    /// counts. A request ends with the next cycle, whatever triggers it.
+    void again_at(std::chrono::nanoseconds time) {
+        effects_->at = std::min(time.count(), effects_->at.value_or(time.count()));
+    }
     void set_period(std::chrono::nanoseconds period) { effects_->period = period.count(); }
     /// Duration of this cycle in simulated time.
     void set_duration(std::chrono::nanoseconds duration) { effects_->duration = duration.count(); }
@@ -1440,6 +1445,10 @@ private:
         if (effects.again) {
             asmotion_write_text(reply, "again");
             asmotion_write_bool(reply, true);
+        }
+        if (effects.at) {
+            asmotion_write_text(reply, "at");
+            asmotion_write_int(reply, *effects.at);
         }
         if (effects.period) {
             asmotion_write_text(reply, "period");

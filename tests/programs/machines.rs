@@ -180,7 +180,7 @@ fn a_program_is_seen_changed_and_called_over_a_broker() {
     let (code, screen) = seen.unwrap();
     assert_eq!(code, Some(0), "{screen}");
 
-    reconfigured(&robot, tool);
+    reconfigured(&robot, &tool);
 
     // the coordinator, on the machine that does not have the program
     let arguments = ["run", FILE, "--process", "brain", "--until", "mode=CLOSED"];
@@ -189,6 +189,18 @@ fn a_program_is_seen_changed_and_called_over_a_broker() {
     let (modes, code) = crate::processes::modes(&brain);
     assert_eq!(modes, ["OPENING", "CLOSING", "CLOSED"]);
     assert_eq!(code, Some(0));
+
+    // the new version reaches the process that cannot ask the program, too
+    let arguments = ["run", FILE, "--process", "brain", "--for", "60"];
+    let brain = Supervisor(Some(with_bus(&desk, &arguments).spawn().unwrap()));
+    queues(&vhost, "robots.services.gripper.control.brain");
+    robot.change(&[("[[wires]]", DEPLOYED), ("speed = 0.2", "speed = 0.25")]);
+    let path = robot.path(FILE);
+    let (code, out, err) = tool(&["reconfigure", path.to_str().unwrap()]);
+    let expected = "arm: `Gripper` has speed = 0.25\nbrain: no changes\n";
+    assert_eq!((code, &*out), (Some(0), expected), "{err}");
+    brain.end();
+
     let output = up.end();
     let err = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{err}");
@@ -198,7 +210,7 @@ fn a_program_is_seen_changed_and_called_over_a_broker() {
 }
 
 /// A property is changed, and a new program is not started.
-fn reconfigured(robot: &Workshop, tool: impl Fn(&[&str]) -> EndOfRun) {
+fn reconfigured(robot: &Workshop, tool: &impl Fn(&[&str]) -> EndOfRun) {
     let path = robot.path(FILE);
     let reconfigure = || tool(&["reconfigure", path.to_str().unwrap()]);
     let (code, out, err) = reconfigure();

@@ -509,6 +509,23 @@ fn hostile_times_of_cycles_harm_only_the_program() {
     insta::assert_snapshot!(ends);
 }
 
+#[test]
+fn hostile_times_of_cycles_delay_no_component_in_real_time() {
+    for (how, is_busy) in [("far", false), ("before", true)] {
+        let (mut system, _) = timed(&command(&["timed.py", how]));
+        let idle = |_: &mut Interface| Box::new(Idle) as Box<dyn Component>;
+        system.add("Other", every(50), idle).unwrap();
+        let mut run = system.live();
+        run.run_for(Duration::from_millis(600));
+        assert_eq!(run.state("Device"), Some(State::Running), "{how}");
+        let cycles = run.cycles("Device");
+        assert_eq!(cycles > 20, is_busy, "{how}: {cycles} cycles");
+        let others = run.cycles("Other");
+        assert!(others >= 6, "{how}: {others} cycles");
+        run.stop();
+    }
+}
+
 struct Idle;
 
 impl Component for Idle {

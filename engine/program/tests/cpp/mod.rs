@@ -285,6 +285,16 @@ fn a_component_in_cpp_requests_cycles_from_a_thread() {
     assert!((5..=30).contains(&cycles), "{cycles} cycles");
 }
 
+#[test]
+fn a_component_in_cpp_requests_a_cycle_at_a_time() {
+    let Some(program) = probe(&["ticks"]) else {
+        return;
+    };
+    let (system, log) = timed(&program);
+    system.simulate().run_for(Duration::from_millis(300));
+    assert_eq!(reported(&log, "now"), [0, 70, 140, 210, 280]);
+}
+
 /// Items of RFC 8949, appendix A, and others that matter here: whether C reads them.
 const ITEMS: &str = include_str!("items.txt");
 

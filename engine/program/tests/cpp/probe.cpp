@@ -163,10 +163,21 @@ public:
     }
 };
 
+/// Requests each of its cycles at a time.
+class Ticking : public asmotion::Component {
+    void update(asmotion::Cycle& cycle) override {
+        cycle.report("now", cycle.now().count());
+        cycle.again_at(cycle.now() + std::chrono::milliseconds(500));
+        cycle.again_at(cycle.now() + std::chrono::milliseconds(70));
+        cycle.again_at(cycle.now() + std::chrono::milliseconds(90));
+    }
+};
+
 int main(int count, char** arguments) {
     Failing::how = count > 1 ? arguments[1] : "";
     if (Failing::how == "echo") return asmotion::run<Echo>();
     if (Failing::how == "effects") return asmotion::run<Effects>("probe 1.0");
     if (Failing::how == "wakes") return asmotion::run<Waking>();
+    if (Failing::how == "ticks") return asmotion::run<Ticking>();
     return asmotion::run<Failing>();
 }
