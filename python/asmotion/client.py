@@ -29,6 +29,8 @@ def connect(url: str, *, token: str | None = None, timeout_s: float = 10.0) -> C
         CallError: there is no gateway at the address.
     """
     parts = urllib.parse.urlsplit(url)
+    if parts.scheme in ("amqp", "amqps"):  # not shown: it may contain a password
+        raise ValueError("this package has no client of a broker; connect to an HTTP gateway, as in `http://127.0.0.1:8080`")
     if parts.scheme not in ("http", "https") or not parts.netloc:
         raise ValueError(f"`{url}` is no address of an HTTP gateway; write it as `http://127.0.0.1:8080`")
     client = Client(url.rstrip("/"), token, timeout_s)

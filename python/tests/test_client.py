@@ -103,5 +103,8 @@ class Client(unittest.TestCase):
             self.robot.service("maths", Doubling).treble
         with self.assertRaisesRegex(ValueError, "http://127.0.0.1:8080"):
             asmotion.connect("robot")
+        with self.assertRaisesRegex(ValueError, "HTTP gateway") as raised:
+            asmotion.connect("amqp://operator:secret@127.0.0.1")
+        self.assertNotIn("secret", str(raised.exception))
         with self.assertRaisesRegex(CallError, "does not answer"):
             asmotion.connect("http://127.0.0.1:1")
