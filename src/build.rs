@@ -1,4 +1,4 @@
-//! What a program contains beside the engine: components, messages, interfaces, map formats, planners, transports.
+//! Contents of a program beside the engine: components, messages, interfaces, map formats, planners, transports.
 
 mod catalogue;
 mod environment;

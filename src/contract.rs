@@ -1,4 +1,4 @@
-//! What an extension of a program must guarantee, as test suites: run the suite of what you add in a test of your own.
+//! Guarantees of the extensions of a program, as test suites: run the suite of an extension in a test of your own.
 //!
 //! ```
 //! # use asmotion_planner::{AStar, PlannerSettings};

@@ -133,7 +133,7 @@ fn findings(folder: &Path, path: &str) -> BTreeSet<(String, String)> {
         .collect()
 }
 
-/// What tools show of a composite, without the findings and the run.
+/// Output of tools about a composite, without the findings and the run.
 fn shown(folder: &Path, path: &str) -> String {
     let commands: [&[&str]; 4] = [
         &["check", "--connections", path],

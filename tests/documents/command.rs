@@ -13,7 +13,7 @@ pub struct Command {
     pub text: String,
     /// Lines that are typed after its prompt.
     pub input: Vec<String>,
-    /// What it prints, if the document shows it.
+    /// Its output, if the document shows it.
     pub output: Option<Vec<String>>,
     /// Its exit code.
     pub exit: i32,
@@ -109,7 +109,7 @@ fn without_comment<'a>(text: &'a str, mark: &str) -> &'a str {
     text.trim_end()
 }
 
-/// What is typed after a prompt: `> step`, `navigate 0> step`, `navigation.MapServer> ls`.
+/// Returns the input after a prompt: `> step`, `navigate 0> step`, `navigation.MapServer> ls`.
 fn after_prompt(line: &str) -> Option<&str> {
     let (prompt, typed) = line.split_once("> ")?;
     let mut words = prompt.split(' ');

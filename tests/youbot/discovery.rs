@@ -1,4 +1,4 @@
-//! What a composite leaves out: the ports behind a proxy, and the names of providers.
+//! Facts that a composite leaves out: the ports behind a proxy, and the names of providers.
 
 use super::bench::Bench;
 use asmotion_datum::Datum;

@@ -69,7 +69,7 @@ struct MonitorPorts {
     scan: In<LaserScan>,
     /// Optional: velocity of the robot. Without it the robot counts as driving at the last velocity passed on.
     odom: In<Odometry>,
-    /// What may be driven of the command, once for each command; in between only if a new scan requires less.
+    /// Part of the command that may be driven, once for each command; in between only if a new scan requires less.
     #[port(safe)]
     twist: Out<Twist>,
     /// `CONTACT` when a scan ends within the robot's disc, once until a scan does not.

@@ -57,7 +57,7 @@ impl FollowStep {
     }
 }
 
-/// What to do about a path.
+/// Result of a step along a path.
 enum PathStep {
     Drive(Twist),
     /// The robot is at the goal.

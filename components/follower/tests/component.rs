@@ -144,7 +144,7 @@ impl Rig {
         events.into_iter().map(|(_, event)| event).collect()
     }
 
-    /// What the follower has reported, without the time and the name.
+    /// Events that the follower has reported, without the time and the name.
     fn reports(&self) -> Vec<String> {
         let lines = self.log.lines();
         let report = |line: &String| {

@@ -1,4 +1,4 @@
-//! What a component did in a cycle.
+//! Effects of a cycle of a component.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -91,12 +91,12 @@ pub struct MissionAction {
     /// Delay of the action after its condition.
     #[key(unit = "seconds", range = 0.0..=86_400.0, default = 0.0)]
     pub delay_s: Option<At<f64>>,
-    /// What to do.
+    /// The action.
     #[key(flatten)]
     pub act: MissionAct,
 }
 
-/// What an action of a mission does.
+/// Kinds of actions of a mission.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "an action of a mission",
@@ -155,12 +155,12 @@ pub struct MissionExpectation {
     /// and `never` none.
     #[key(unit = "seconds", range = 0.0..=86_400.0, example = "0.6")]
     pub within_s: Option<At<f64>>,
-    /// What must hold.
+    /// The requirement.
     #[key(flatten)]
     pub requirement: MissionRequirement,
 }
 
-/// What an expectation requires.
+/// Kinds of requirements of an expectation.
 #[derive(Clone, Debug, Table)]
 #[table(
     of = "an expectation",

@@ -48,7 +48,7 @@ pub(crate) enum Admission {
 /// Time within which a running process has announced its services, once a second.
 const ANNOUNCED: Duration = Duration::from_millis(1500);
 
-/// What a process announces about a service.
+/// Announcement of a service by a process.
 #[derive(Debug, Clone, Copy)]
 pub struct AnnouncedService<'a> {
     /// Name of the interface.

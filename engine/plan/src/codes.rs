@@ -9,6 +9,7 @@ pub(crate) mod c069;
 pub(crate) mod c082;
 pub(crate) mod c152;
 pub(crate) mod c155;
+pub(crate) mod c156;
 
 use asmotion_diagnostics::Code;
 
@@ -23,4 +24,5 @@ pub const CODES: &[&Code] = &[
     c082::TooManyComponents::CODE,
     c152::TokenInClear::CODE,
     c155::OperationMismatch::CODE,
+    c156::QueueNeeded::CODE,
 ];

@@ -1,4 +1,4 @@
-//! What is written is read again, and a table that is no recording is refused.
+//! Reads recordings as they were written, and refuses tables that are none.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

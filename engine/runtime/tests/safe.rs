@@ -23,7 +23,7 @@ const STANDS: Twist = Twist {
     angular: 0.0,
 };
 
-/// How a driver ends.
+/// End of a driver.
 #[derive(Clone, Copy, PartialEq)]
 enum Ending {
     Normal,

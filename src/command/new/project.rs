@@ -35,7 +35,7 @@ impl ProjectKind {
         }
     }
 
-    /// What is missing until the crates and the Python package are published.
+    /// Way to get asmotion until the crates and the Python package are published.
     pub(super) fn unpublished(self) -> Option<&'static str> {
         match self {
             Self::Rust => Some(

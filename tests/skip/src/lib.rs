@@ -21,7 +21,7 @@ pub struct Requirement<'a> {
     pub name: &'a str,
     /// The tests that need it.
     pub tests: &'a str,
-    /// How to get it.
+    /// Way to get it.
     pub remedy: &'a str,
 }
 

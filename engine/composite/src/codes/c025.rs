@@ -35,7 +35,7 @@ pub(crate) struct ImplementationNotInBuild {
     pub what: &'static str,
     pub name: String,
     pub at: Span,
-    /// What to do without it.
+    /// Way out without it.
     pub instead: Option<&'static str>,
 }
 

@@ -65,7 +65,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct UnsupportedKey {
     pub key: &'static str,
     pub at: Span,
-    /// What to do without the key.
+    /// Way out without the key.
     pub instead: &'static str,
 }
 

@@ -35,7 +35,7 @@ pub(super) struct QueueUpkeep {
     problem: Option<QueueCheckError>,
 }
 
-/// What the upkeep needs to know of the state.
+/// Part of the state that the upkeep needs.
 struct QueueStatus {
     queue: Arc<KernelQueue>,
     /// Number of messages sent so far.

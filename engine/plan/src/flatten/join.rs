@@ -1,6 +1,7 @@
 //! Resolves connections, wires and promotions to running components.
 
 use crate::codes::c054::PollTooSlow;
+use crate::codes::c156::QueueNeeded;
 use asmotion_diagnostics::Span;
 
 use super::{Flattener, endpoint};
@@ -10,6 +11,7 @@ use asmotion_composite::finding::Findings;
 use asmotion_composite::model::{self, ConnectionType, Delivery, Sharing, Transport};
 use asmotion_composite::table::Resolver;
 use asmotion_composite::{At, check};
+use asmotion_coordinator::{Monitored, Receive, Source};
 
 impl Flattener<'_, '_> {
     /// Adds the connections and wires of a composite instance.
@@ -38,6 +40,11 @@ impl Flattener<'_, '_> {
             ends.filter_map(|end| self.terminal(index, end)).collect()
         };
         let (from, to) = (ends(&connection.from), ends(&connection.to));
+        if policy.kind == ConnectionType::Data {
+            for end in &connection.to {
+                self.queue_needed(index, end);
+            }
+        }
         let shared = policy.buffer == Sharing::Shared;
         let queue = shared.then(|| format!("{} -> {}", listed(&from), listed(&to)));
         for from in &from {
@@ -50,6 +57,28 @@ impl Flattener<'_, '_> {
                     queue: queue.clone(),
                 });
             }
+        }
+    }
+
+    /// Warns if a connection that holds one message ends at an input of which a specification reads all.
+    fn queue_needed(&mut self, index: usize, to: &model::Terminal) {
+        let Some(Terminal::Port(end)) = self.terminal(index, to) else {
+            return;
+        };
+        let component = self.plan.component(&end.component);
+        let Some(binding) = component.and_then(|it| it.binding.as_ref()) else {
+            return;
+        };
+        let reads_all = |it: &&Monitored| {
+            let is_of_port = matches!(&it.from, Source::Port(port) if *port == end.name);
+            is_of_port && (it.receive == Receive::All || !it.key.is_empty())
+        };
+        if let Some(bound) = binding.monitored.iter().find(reads_all) {
+            self.notes.found(QueueNeeded {
+                function: bound.location.to_string(),
+                to: end.to_string(),
+                at: to.span(),
+            });
         }
     }
 

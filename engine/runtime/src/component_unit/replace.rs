@@ -16,7 +16,7 @@ pub const REPLACEMENT_REPORT: &str = "replaced";
 /// A component that is to replace another one with the same declaration.
 pub(crate) struct NewComponent {
     pub component: Box<dyn Component>,
-    /// What it runs, for the report.
+    /// Name of the implementation, for the report.
     pub description: Arc<str>,
     /// Number of the interface on which its handles were declared.
     pub owner: u32,

@@ -1,4 +1,4 @@
-//! What a condition observes, with its present value.
+//! Operands of conditions, with their present values.
 
 use asmotion_component::{State, Time};
 use asmotion_composite::At;
@@ -43,7 +43,7 @@ pub(super) enum ObservedPlace {
     Fixed([f64; 2]),
 }
 
-/// What an operand observes.
+/// Origin of the value of an operand.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Observation {
     /// A location of a specification.
