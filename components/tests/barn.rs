@@ -1,24 +1,15 @@
 //! The worlds of a benchmark of local navigation, driven at several speeds: the robot touches nothing.
 //!
+
 //! `barn/README.md` tells where the worlds come from.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    dead_code,
-    missing_docs,
-    reason = "a test fails by panicking and prints its figures; not every test uses all of a course"
-)]
-
-mod course;
-
+use crate::course::{Course, disc, nanos};
 use asmotion_component::Time;
 use asmotion_geometry::{
     FREE, Grid, GridLayout, OCCUPIED, ObstacleScene, Point, RoundObstacle, heading, message,
 };
 use asmotion_messages::Event;
 use asmotion_runtime::Run;
-use course::{Course, disc, nanos};
 
 const WORLDS: &str = include_str!("barn/worlds.txt");
 
@@ -84,6 +75,7 @@ struct Outcome {
     reached: bool,
     touched: bool,
     seconds: f64,
+    #[expect(dead_code, reason = "printed")]
     clearance: f64,
     /// `true` if a request found no path.
     no_path: bool,
@@ -298,7 +290,7 @@ fn cylinders(path: &std::path::Path) -> Vec<Point> {
         .collect()
 }
 
-/// `BARN_WORLDS=FOLDER cargo test -p asmotion-components --test barn -- --ignored --nocapture` drives the worlds of a folder
+/// `BARN_WORLDS=FOLDER cargo test -p asmotion-components --test main -- barn:: --ignored --nocapture` drives the worlds of a folder
 /// whose number is a multiple of six.
 #[test]
 #[ignore = "needs the worlds of the BARN challenge"]

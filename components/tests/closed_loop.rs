@@ -1,21 +1,12 @@
 //! The reactive layer in the simulated world without a coordinator: the paths are given by the tests.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    missing_docs,
-    reason = "a test fails by panicking and prints its figures"
-)]
-
-mod course;
-
+use crate::course::{Course, Drive, GO, block, disc, nanos};
 use asmotion_component::{Span, Time, Transition};
 use asmotion_datum::Datum;
 use asmotion_geometry::Point;
 use asmotion_messages::Path;
 use asmotion_runtime::Run;
 use asmotion_world::Obstacle;
-use course::{Course, Drive, GO, block, disc, nanos};
 
 /// Radius of the robot, m.
 const RADIUS: f64 = 0.2;

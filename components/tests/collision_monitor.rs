@@ -1,21 +1,12 @@
 //! The collision monitor between a follower without a laser and the rover: it alone prevents collisions.
 
-#![allow(
-    clippy::unwrap_used,
-    dead_code,
-    missing_docs,
-    reason = "a test fails by panicking; not every test uses all of a course"
-)]
-
-mod course;
-
+use crate::course::{Course, Drive, block, nanos};
 use asmotion_component::{Time, Transition};
 use asmotion_datum::Datum;
 use asmotion_geometry::{DECELERATION, Point};
 use asmotion_messages::{Path, Pose};
 use asmotion_runtime::Run;
 use asmotion_world::Obstacle;
-use course::{Course, Drive, block, nanos};
 
 /// Radius of the robot, m.
 const RADIUS: f64 = 0.2;
@@ -142,7 +133,7 @@ fn without_it_the_robot_drives_into_the_wall() {
 }
 
 /// The rover drives into a wall that nobody but the rover's own wheels notices.
-fn bumps() -> course::Running {
+fn bumps() -> crate::course::Running {
     let mut course = course(0.5);
     course.obstacles.push(wall(RADIUS + 0.2));
     course.unmonitored = true;

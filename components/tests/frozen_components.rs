@@ -1,5 +1,4 @@
 //! Every component of the catalogue can be frozen and thawed and rejects states of other components.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use asmotion_component::{Component, FrozenState, Interface, ThawProblem};
 use asmotion_components::COMPONENTS;

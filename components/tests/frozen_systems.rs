@@ -1,10 +1,4 @@
 //! A mission frozen at an intermediate step continues in another system with the trace of an uninterrupted run.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::wildcard_enum_match_arm,
-    reason = "tests"
-)]
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! Every input of every component × values that cannot be meant: nothing fails, nothing that is not finite comes out, and a
 //! refused message changes nothing.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::sync::{Arc, Mutex};
 

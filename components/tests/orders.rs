@@ -1,5 +1,4 @@
 //! Events of the navigation count only if they are about the last order: forged, replayed and late ones are refused.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::{Arc, Mutex};

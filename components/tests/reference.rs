@@ -1,7 +1,6 @@
 //! The tables of ports and properties in the READMEs equal the declarations.
 //!
-//! `UPDATE_REFERENCE=1 cargo test -p asmotion-components --test reference` writes them.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+//! `UPDATE_REFERENCE=1 cargo test -p asmotion-components --test main reference` writes them.
 
 use std::fmt::Write;
 use std::fs;
@@ -45,7 +44,7 @@ fn keep(readme: &Path, subject: &str, section: &str) {
     assert!(
         std::env::var_os("UPDATE_REFERENCE").is_some(),
         "the reference of {subject} in {} is out of date: UPDATE_REFERENCE=1 cargo test -p \
-         asmotion-components --test reference",
+         asmotion-components --test main reference",
         readme.display()
     );
     fs::write(readme, format!("{before}{begin}{section}{END}{after}")).unwrap();

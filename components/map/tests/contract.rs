@@ -1,21 +1,12 @@
 //! The guarantees of map formats, tested for every row of `FORMATS`.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "a test fails by panicking"
-)]
-
-mod fixture;
-
 use asmotion_map::contract::{Yard, violations};
 use asmotion_map::{FORMATS, FilesInMemory, Map, MapError, MapSettings, load};
 use proptest::prelude::*;
 
 #[test]
 fn every_format_keeps_the_contract() {
-    let yards = fixture::all();
+    let yards = crate::fixture::all();
     assert_eq!(yards.len(), FORMATS.len());
     for ((name, format), (of, yard)) in FORMATS.iter().zip(yards) {
         assert_eq!(*name, of);
@@ -26,7 +17,7 @@ fn every_format_keeps_the_contract() {
 /// A format that forgets the building, another that panics, and one that accepts everything do not pass.
 #[test]
 fn the_contract_can_be_broken() {
-    let (_, yard) = fixture::all().swap_remove(0);
+    let (_, yard) = crate::fixture::all().swap_remove(0);
     let elsewhere = Yard {
         occupied: yard.free,
         ..yard.clone()
@@ -36,7 +27,7 @@ fn the_contract_can_be_broken() {
         observed[0].contains("is Free instead of Occupied"),
         "{observed:?}"
     );
-    let (_, other) = fixture::all().pop().unwrap();
+    let (_, other) = crate::fixture::all().pop().unwrap();
     let observed = violations(FORMATS[0].1, &other);
     assert!(observed.len() >= 7, "{observed:?}");
 }
@@ -82,7 +73,7 @@ fn read_damaged(fixture: &Yard, which: usize, bytes: Vec<u8>) -> Result<Map, Map
 
 #[test]
 fn a_truncated_file_is_no_map() {
-    for (format, fixture) in fixture::all() {
+    for (format, fixture) in crate::fixture::all() {
         for which in 0..fixture.files.len() {
             let bytes = &fixture.files[which].1;
             let whole = bytes.trim_ascii_end().len();
@@ -106,7 +97,7 @@ proptest! {
         insert in prop::collection::vec(any::<u8>(), 0..20),
         format in 0..FORMATS.len(),
     ) {
-        let (_, fixture) = fixture::all().swap_remove(format);
+        let (_, fixture) = crate::fixture::all().swap_remove(format);
         for which in 0..fixture.files.len() {
             let mut bytes = fixture.files[which].1.clone();
             for (at, value) in &changes {
@@ -121,7 +112,7 @@ proptest! {
 
     #[test]
     fn it_survives_noise(bytes in prop::collection::vec(any::<u8>(), 0..300), format in 0..FORMATS.len()) {
-        let (_, fixture) = fixture::all().swap_remove(format);
+        let (_, fixture) = crate::fixture::all().swap_remove(format);
         for which in 0..fixture.files.len() {
             let _ = read_damaged(&fixture, which, bytes.clone());
         }
@@ -131,7 +122,7 @@ proptest! {
 /// The yard as written by libosmium 2.20, with a named bench, and a relation that is no area.
 #[test]
 fn it_reads_what_another_program_wrote() {
-    let (_, fixture) = fixture::all().pop().unwrap();
+    let (_, fixture) = crate::fixture::all().pop().unwrap();
     let files = FilesInMemory::new(fixture.files.clone());
     let expected = load(&files, fixture.files[0].0, &MapSettings::default()).unwrap();
     for bytes in [

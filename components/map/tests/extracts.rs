@@ -1,15 +1,8 @@
 //! Real extracts of OpenStreetMap: each is read, and a path across it is planned.
 //!
 //! The data are not part of the project (© OpenStreetMap contributors, ODbL 1.0); without them the tests print a notice
-//! and pass.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::print_stderr,
-    reason = "helpers of tests"
-)]
+//! and pass.
 
 use std::time::Instant;
 

@@ -1,12 +1,5 @@
 //! The demo's floor plan: every place can be reached from every other, even if a corridor is blocked.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "tests"
-)]
-
 use asmotion_geometry::{Grid, OCCUPIED, Point};
 use asmotion_map::{DiskFiles, Map, MapSettings, load};
 use asmotion_planner::{AStar, Planner, PlannerSettings as Needs};

@@ -1,12 +1,5 @@
 //! The map server in a running system.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "tests"
-)]
-
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{

@@ -1,8 +1,4 @@
 //! Deployment (O3, O12, O13): scheduling, site-specific overlays and stop order.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
-
-#[path = "../../plan/tests/support/render.rs"]
-mod render;
 
 use asmotion_assembly::Standard;
 use asmotion_component::{Component, Cycle, Fault, Interface, Property, Span};
@@ -42,7 +38,7 @@ fn start(files: &MemoryFiles, opened: &Opened) -> System {
 }
 
 fn said(opened: &Opened) -> String {
-    render::report(&opened.sources, &opened.report)
+    crate::render::report(&opened.sources, &opened.report)
 }
 
 /// Reports the scheduling of its thread.

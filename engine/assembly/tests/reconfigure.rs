@@ -1,8 +1,4 @@
 //! Reconfiguration (C18): a running composite is changed to its next version or remains unchanged.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
-
-#[path = "../../plan/tests/support/render.rs"]
-mod render;
 
 use std::sync::Arc;
 
@@ -133,7 +129,7 @@ fn version(replaced: &[(&str, &str)]) -> Version {
         text = text.replacen(from, to, 1);
     }
     let (files, opened) = open(&text);
-    let said = render::report(&opened.sources, &opened.report);
+    let said = crate::render::report(&opened.sources, &opened.report);
     let plan = opened.plan(None).unwrap_or_else(|| panic!("{said}"));
     Version::new(
         plan.clone(),

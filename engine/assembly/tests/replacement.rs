@@ -1,8 +1,4 @@
 //! Replacement of the specifications of a running system (C18): it continues in its state, or the old one keeps running.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
-
-#[path = "../../plan/tests/support/render.rs"]
-mod render;
 
 use std::sync::Arc;
 
@@ -244,7 +240,7 @@ fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
         ..Context::files(&files)
     };
     let opened = asmotion_plan::open("main.toml", &context);
-    let said = render::report(&opened.sources, &opened.report);
+    let said = crate::render::report(&opened.sources, &opened.report);
     let plan = opened.plan(None).unwrap_or_else(|| panic!("{said}"));
     let plan = plan.clone();
     let version = Version::new(

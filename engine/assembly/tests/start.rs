@@ -1,11 +1,6 @@
 //! Execution of composites in simulated time.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
-#[path = "../../plan/tests/support/render.rs"]
-mod render;
-#[path = "../../plan/tests/support/variables.rs"]
-mod variables;
-
+use crate::variables::Variables;
 use asmotion_assembly::{Standard, StartError};
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
@@ -17,7 +12,6 @@ use asmotion_datum::{Datum, Message, Schema};
 use asmotion_lang::MemoryFiles;
 use asmotion_plan::Opened;
 use asmotion_runtime::{Log, Run, System};
-use variables::Variables;
 
 asmotion_datum::message! {
     /// A test event.
@@ -242,7 +236,7 @@ fn open(files: &MemoryFiles, settings: &[(String, String)]) -> Opened {
     assert!(
         !opened.report.has_errors(),
         "{}",
-        render::report(&opened.sources, &opened.report)
+        crate::render::report(&opened.sources, &opened.report)
     );
     opened
 }
@@ -499,7 +493,7 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
         settings: &[],
     };
     let opened = asmotion_plan::open("main.toml", &context);
-    let said = render::report(&opened.sources, &opened.report);
+    let said = crate::render::report(&opened.sources, &opened.report);
     assert!(
         said.contains("C034") && said.contains("waits for the reply to `hear`"),
         "{said}"

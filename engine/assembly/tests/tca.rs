@@ -1,15 +1,10 @@
 //! The ten properties of a component in the Task Component Architecture; tests are named after the rows of the paper's
 //! table.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
-
-#[path = "../../plan/tests/support/render.rs"]
-mod render;
-#[path = "../../plan/tests/support/variables.rs"]
-mod variables;
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::variables::Variables;
 use asmotion_assembly::Standard;
 use asmotion_component::{Component, Cycle, Fault, Interface, State, Time, Transition};
 use asmotion_composite::{AsmFiles, Constructor, Context, Tables};
@@ -17,7 +12,6 @@ use asmotion_coordinator::StepRecord;
 use asmotion_lang::MemoryFiles;
 use asmotion_plan::{Opened, Plan};
 use asmotion_runtime::{Event, Run, Simulation};
-use variables::Variables;
 
 asmotion_datum::message! {
     /// A test message with a number.
@@ -74,12 +68,12 @@ fn open(text: &str) -> Opened {
 /// Returns the rendered diagnostics of a composite.
 fn findings(text: &str) -> String {
     let opened = open(text);
-    render::report(&opened.sources, &opened.report)
+    crate::render::report(&opened.sources, &opened.report)
 }
 
 fn plan(text: &str) -> Plan {
     let opened = open(text);
-    let said = render::report(&opened.sources, &opened.report);
+    let said = crate::render::report(&opened.sources, &opened.report);
     opened
         .plan(None)
         .unwrap_or_else(|| panic!("{said}"))

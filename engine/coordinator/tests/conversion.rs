@@ -1,5 +1,4 @@
 //! Messages of every form reach the functions of a specification, and values of every form become messages.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::sync::{Arc, Mutex};
 

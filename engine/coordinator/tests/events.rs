@@ -1,5 +1,4 @@
 //! Events of a specification: how many wait, what is said about those that are lost, and which ones are refused.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};

@@ -1,5 +1,4 @@
 //! A running coordinator: one event a step, counted losses, and the end of its calls when it is stopped.
-#![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::sync::{Arc, Mutex};
 

@@ -1,12 +1,9 @@
 //! Services, ports and topics over a bus behave like local ones.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-#[path = "../../runtime/tests/common/mod.rs"]
-mod common;
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::common::{Double, Number, behaviour, counter, doubler, number};
 use asmotion_bus::{
     Bus, CallFailure, LocalBus, Notifier, Pattern, Payload, PublishOptions, QueuePolicy,
     RobotAddress, SenderId,
@@ -17,7 +14,6 @@ use asmotion_component::{
 use asmotion_datum::Datum;
 use asmotion_network::{AnnouncedOperation, AnnouncedService, Network, RobotService, port_topic};
 use asmotion_runtime::{Event, Log, Run, System};
-use common::{Double, Number, behaviour, counter, doubler, number};
 
 type Replies = Arc<Mutex<Vec<Result<i64, CallError>>>>;
 
@@ -389,7 +385,7 @@ fn a_service_is_served_on_a_bus_that_carries_nothing_else() {
         let run = system.live();
         for address in ["sums.double", "more.double"] {
             let payload = doubled(&counter_of, address, 21).unwrap();
-            assert_eq!(payload.read::<common::Number>().unwrap(), number(42));
+            assert_eq!(payload.read::<crate::common::Number>().unwrap(), number(42));
         }
         let of_own = doubled(&own, "Doubler.sums.double", 4);
         assert_eq!(of_own.is_ok(), is_on_a_bus);

@@ -1,12 +1,9 @@
 //! A system's topics on a bus: tools subscribe, and other processes take part.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-#[path = "../../runtime/tests/common/mod.rs"]
-mod common;
 
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::common::{Number, Words, behaviour, counter, number};
 use asmotion_bus::{
     Bus, LocalBus, Notifier, Overflow, Pattern, Payload, PublishOptions, QueuePolicy, SenderId,
     Subscription,
@@ -15,7 +12,6 @@ use asmotion_component::{Activity, Component, Interface, OnStale, Policy, Span, 
 use asmotion_datum::{Codec, Datum, Message};
 use asmotion_network::Network;
 use asmotion_runtime::{Event, Log, Run, System};
-use common::{Number, Words, behaviour, counter, number};
 
 fn all(bus: &LocalBus, pattern: &str) -> Subscription {
     let queue = QueuePolicy::All {

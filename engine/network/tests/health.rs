@@ -1,12 +1,9 @@
 //! The state of the bus as a topic.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-#[path = "../../runtime/tests/common/mod.rs"]
-mod common;
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::common::{Number, behaviour, counter};
 use asmotion_bus::{
     Bus, BusError, Health, LinkState, LocalBus, Notifier, Pattern, PendingCall, PublishOptions,
     Publisher, QueuePolicy, Request, SenderId, ServedAddress, Subscription,
@@ -17,7 +14,6 @@ use asmotion_component::{
 use asmotion_datum::Datum;
 use asmotion_network::Network;
 use asmotion_runtime::{BuildError, Event, Log, Run, System};
-use common::{Number, behaviour, counter};
 
 /// Reports the states of the bus.
 fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {

@@ -1,14 +1,11 @@
 //! Expanded composites are valid and expand to themselves.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
-
-mod support;
 
 use std::sync::Arc;
 
+use crate::support::{Files, Variables};
 use asmotion_composite::{AsmFiles, Context, Tables};
 use asmotion_diagnostics::{LoadError, Loader};
 use asmotion_plan::{Opened, expand};
-use support::{Files, Variables};
 
 /// The files of a folder and one additional file.
 struct With<'w> {
@@ -69,7 +66,7 @@ fn expansions(folder: &str, file: &str) -> Vec<String> {
             text: &text,
         };
         let again = open(&loader, name);
-        let said = support::render::report(&again.sources, &again.report);
+        let said = crate::support::render::report(&again.sources, &again.report);
         let Some(plan) = again.plan(None) else {
             panic!("{file}\n{text}\n{said}");
         };

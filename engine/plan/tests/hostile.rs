@@ -1,14 +1,11 @@
 //! Malformed input leads to diagnostics, without panics and in bounded time.
-#![allow(clippy::expect_used, reason = "tests")]
 
-mod support;
-
+use crate::support::Variables;
 use asmotion_composite::{AsmFiles, Context, Tables};
 use asmotion_diagnostics::Span;
 use asmotion_lang::MemoryFiles;
 use asmotion_plan::Opened;
 use proptest::prelude::*;
-use support::Variables;
 
 const HEAD: &str = "schema = \"composite/1\"\n[composite]\nname = \"test\"\n";
 
@@ -46,7 +43,7 @@ fn codes(opened: &Opened) -> Vec<&'static str> {
 fn shown(name: &str, opened: &Opened) {
     let finding = opened.report.diagnostics.first();
     let report = finding.cloned().into_iter().collect();
-    let rendered = support::render::report(&opened.sources, &report);
+    let rendered = crate::support::render::report(&opened.sources, &report);
     insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
         insta::assert_snapshot!(name, rendered);
     });

@@ -1,8 +1,5 @@
 //! Each file of `tests/composites` contains a mistake, marked with its code after `#~`. The rendered diagnostics are
 //! reviewed snapshots.
-#![allow(clippy::expect_used, reason = "tests")]
-
-mod support;
 
 use std::collections::BTreeSet;
 
@@ -62,12 +59,12 @@ fn it_finds_every_planted_mistake_and_nothing_else() {
     let mut wrong = Vec::new();
     for file in files() {
         let text = std::fs::read_to_string(format!("tests/composites/{file}")).expect("a file");
-        let mut opened = support::open("tests/composites", &file);
+        let mut opened = crate::support::open("tests/composites", &file);
         if !file.starts_with("c025_") {
             opened = without_programs(opened);
         }
         let (expected, found) = (expected(&text), found(&file, &opened));
-        let rendered = support::render::report(&opened.sources, &opened.report);
+        let rendered = crate::support::render::report(&opened.sources, &opened.report);
         if expected != found {
             wrong.push(format!(
                 "{file}: expected {expected:?}, found {found:?}\n{rendered}\n"
@@ -109,7 +106,7 @@ fn c10_annotations_and_composite_that_disagree_are_an_error() {
         ("c103_other_interface.toml", "C103"),
         ("c104_not_annotated.toml", "C104"),
     ] {
-        let opened = support::open("tests/composites", file);
+        let opened = crate::support::open("tests/composites", file);
         assert!(opened.report.has_errors(), "{file}");
         let mut findings = opened.report.diagnostics.iter();
         assert!(findings.any(|finding| finding.code == code), "{file}");

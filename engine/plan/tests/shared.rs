@@ -1,15 +1,12 @@
 //! Composites of `shared/specs`: no errors in any profile, and detection of the five planted mistakes of robotics §4.4.
-#![allow(clippy::expect_used, reason = "tests")]
-
-mod support;
 
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::support::{Files, Variables};
 use asmotion_composite::{AsmFiles, Context, Tables};
 use asmotion_diagnostics::{LoadError, Loader, Severity};
 use asmotion_plan::Opened;
-use support::{Files, Variables};
 
 const FOLDER: &str = "../../../shared/specs";
 
@@ -85,7 +82,7 @@ fn it_finds_no_error_in_any_of_them() {
     for file in ["navigation", "youbot", "youbot_driver"] {
         let path = format!("{file}.composite.toml");
         let opened = open(&Unverified(Files::new(FOLDER)), &path);
-        let rendered = support::render::report(&opened.sources, &opened.report);
+        let rendered = crate::support::render::report(&opened.sources, &opened.report);
         assert_eq!(errors(&opened), [""; 0], "{rendered}");
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
             insta::assert_snapshot!(format!("shared_{file}"), rendered);
@@ -138,7 +135,7 @@ fn it_finds_no_error_in_the_composites_of_this_repository() {
                 .expect("a name");
             if name.ends_with(".composite.toml") {
                 let opened = open(&Files::new(&folder.to_string_lossy()), &name);
-                let rendered = support::render::report(&opened.sources, &opened.report);
+                let rendered = crate::support::render::report(&opened.sources, &opened.report);
                 assert_eq!(errors(&opened), [""; 0], "{rendered}");
             }
         }

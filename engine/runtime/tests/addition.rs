@@ -1,12 +1,10 @@
 //! C18: components are added to a running system and removed from it.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::common::{Double, Number, behaviour, counter, doubler, in_real_time, number, run_until};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Freeze, HEALTH_TOPIC, In, Interface, Out, Policy,
     Setup, Span, State, Transition, Wire, freeze_by_fields,
@@ -15,7 +13,6 @@ use asmotion_datum::Datum;
 use asmotion_runtime::{
     Change, ComponentAddition, Live, Log, Replacement, Run, Simulation, System,
 };
-use common::{Double, Number, behaviour, counter, doubler, in_real_time, number, run_until};
 
 /// The values that a reader has seen, in order.
 type Seen = Arc<Mutex<Vec<i64>>>;

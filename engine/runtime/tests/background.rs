@@ -1,15 +1,12 @@
 //! Background work: a cycle does not wait for it, and simulated runs stay equal.
-#![allow(clippy::unwrap_used, reason = "tests")]
-
-mod common;
 
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::common::{Number, number, run_until};
 use asmotion_component::{Activity, BackgroundWork, Component, Cycle, Fault, Out, Span, Time};
 use asmotion_runtime::{Event, Run, System};
-use common::{Number, number, run_until};
 
 /// Spawns background work once and writes its result. Counts the cycles until then.
 struct Spawner {

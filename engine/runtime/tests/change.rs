@@ -1,19 +1,16 @@
 //! C18: changes of a running system are applied all or none.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::any::Any;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::common::{Double, Number, behaviour, counter, doubler, in_real_time, number};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Out, Policy, Span, Time, Wire,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Log, Replacement, Run, System};
-use common::{Double, Number, behaviour, counter, doubler, in_real_time, number};
 
 /// The values that a reader has seen, in order.
 type Seen = Arc<Mutex<Vec<i64>>>;

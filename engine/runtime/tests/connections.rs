@@ -1,17 +1,14 @@
 //! Connections, topics, properties and the errors of building a system.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::{Arc, Mutex};
 
+use crate::common::{Double, Number, Twist, Words, behaviour, burst, counter, number};
 use asmotion_component::{
     Activity, Component, Cycle, Fault, Flow, Interface, OnStale, Policy, Property, Setup, Span,
     State, Time, Wire,
 };
 use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Log, Run, System};
-use common::{Double, Number, Twist, Words, behaviour, burst, counter, number};
 
 type Seen<T> = Arc<Mutex<Vec<T>>>;
 
@@ -286,7 +283,11 @@ fn t8_t22_what_does_not_fit_is_an_error_before_anything_runs() {
         .add("Driver", Activity::event(), driver(&Seen::default()))
         .unwrap();
     system
-        .add("Nested.Doubler", Activity::event(), common::doubler())
+        .add(
+            "Nested.Doubler",
+            Activity::event(),
+            crate::common::doubler(),
+        )
         .unwrap();
     let data = Policy::data;
     let mut errors = Vec::new();

@@ -1,14 +1,11 @@
 //! The cycle: freeze, compute, commit all or nothing.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::{Arc, Mutex};
 
+use crate::common::{Number, behaviour, burst, counter, number};
 use asmotion_component::{Activity, Fault, Flow, Out, Policy, Span, State, Time};
 use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Log, Run, System};
-use common::{Number, behaviour, burst, counter, number};
 
 /// The values that a reader's cycles see.
 type Seen<T> = Arc<Mutex<Vec<T>>>;
@@ -83,7 +80,7 @@ fn t11_nothing_leaves_a_failed_cycle() {
         system.observe(log.clone());
         let failing = behaviour(move |interface| {
             let out = interface.output::<Number>("n", "written, never sent");
-            let called = interface.require::<common::Double>("sums", "called, never sent");
+            let called = interface.require::<crate::common::Double>("sums", "called, never sent");
             move |cycle| {
                 cycle.write(out, number(7));
                 cycle.call(called, number(7));
@@ -99,7 +96,7 @@ fn t11_nothing_leaves_a_failed_cycle() {
             .add("Reader", Activity::event(), reader(&seen))
             .unwrap();
         system
-            .add("Doubler", Activity::event(), common::doubler())
+            .add("Doubler", Activity::event(), crate::common::doubler())
             .unwrap();
         system
             .connect("Failing.n", "Reader.n", Policy::buffer(8))

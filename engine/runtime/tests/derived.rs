@@ -1,18 +1,15 @@
 //! Derived declarations equal those written by hand.
-#![allow(clippy::unwrap_used, reason = "tests")]
-
-mod common;
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::common::{Double, Number, Spell, behaviour};
 use asmotion_component::declaration::PropertyDeclaration;
 use asmotion_component::{
     Activity, In, Interface, Out, Ports, Properties, PropertySet, Provided, Required, Span, Word,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Run, System};
-use common::{Double, Number, Spell, behaviour};
 
 /// Rounding mode of a limiter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Word)]

@@ -1,16 +1,13 @@
 //! Frozen systems contain everything in transit; systems with connections to the outside are rejected.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::Arc;
 
+use crate::common::{Double, Number, doubler, number};
 use asmotion_component::{
     Activity, Component, Cycle, Fault, Freeze, In, Lock, OnStale, Out, Policy, Provided, RequestId,
     Required, Sharing, Span, Time, Wire, freeze_by_fields,
 };
 use asmotion_runtime::{FrozenSystem, Log, Run, Simulation, System};
-use common::{Double, Number, doubler, number};
 
 /// Publishes two consecutive numbers per cycle.
 #[derive(Freeze)]

@@ -1,19 +1,18 @@
 //! The live executor: real threads, real time. Bounds are wide because the machine may be busy.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use crate::common::{
+    Double, Number, behaviour, burst, counter, doubler, in_real_time, number, run_until,
+};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Overrun, Policy, Span, State, Time,
     Transition, Wire,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Event, Log, Run, System};
-use common::{Double, Number, behaviour, burst, counter, doubler, in_real_time, number, run_until};
 
 /// Sleeps in the cycle with this number.
 fn sleeping(cycle_number: u64, nap: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {

@@ -1,17 +1,14 @@
 //! The last cycle: what a component says when it stops or fails, and the safe samples of its outputs.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::time::Duration;
 
+use crate::common::{Double, Number, Twist, number};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, OnException, Out, Provided, RequestId,
     Span, State, Time, Transition,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{BuildError, Log, Run, System};
-use common::{Double, Number, Twist, number};
 
 const DRIVES: Twist = Twist {
     linear: 1.0,

@@ -1,14 +1,11 @@
 //! Activities in simulated time: periods, delays, triggers, order, loops, injections.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::{Arc, Mutex};
 
+use crate::common::{Number, Twist, behaviour, counter, number};
 use asmotion_component::{Activity, Component, Interface, Policy, Span, State, Time, Transition};
 use asmotion_datum::Datum;
 use asmotion_runtime::{Event, Log, Pace, Run, System};
-use common::{Number, Twist, behaviour, counter, number};
 
 fn at(ms: u64) -> Time {
     Time::ZERO + ms.ms()
@@ -348,7 +345,11 @@ fn the_same_system_runs_the_same_way_twice() {
         system.observe(log.clone());
         system.add("Ping", Activity::event(), relay()).unwrap();
         system
-            .add("Doubler", Activity::periodic(30.ms()), common::doubler())
+            .add(
+                "Doubler",
+                Activity::periodic(30.ms()),
+                crate::common::doubler(),
+            )
             .unwrap();
         system
             .add("Counter", Activity::periodic(7.ms()), counter())
@@ -357,7 +358,7 @@ fn the_same_system_runs_the_same_way_twice() {
             .add("Slow", Activity::periodic(13.ms()).delay(3.ms()), relay())
             .unwrap();
         let asking = behaviour(|interface| {
-            let double = interface.require::<common::Double>("sums", "to double");
+            let double = interface.require::<crate::common::Double>("sums", "to double");
             let input = interface.input::<Number>("in", "numbers");
             move |cycle| {
                 let samples: Vec<_> = cycle.all(input).to_vec();

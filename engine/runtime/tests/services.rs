@@ -1,18 +1,15 @@
 //! Services: calls with a deadline, typed errors, one-way, cancellation. Virtual time, so deadlines are exact.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use crate::common::{Double, Number, Spell, Words, behaviour, doubler, number};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Operation, Out, Provided, Reply,
     RequestId, ServiceFault, Span, State, Time, Transition, Wire,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Log, Run, System};
-use common::{Double, Number, Spell, Words, behaviour, doubler, number};
 
 type Replies = Arc<Mutex<Vec<(Time, Result<i64, CallError>)>>>;
 

@@ -77,10 +77,7 @@ pub(crate) struct QueueNeeded {
 impl Finding for QueueNeeded {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(
-                self.at,
-                "messages between two steps replace each other",
-            )
+            .label(self.at, "messages between two steps replace each other")
             .help("write `policy = { type = \"circular_buffer\", size = 64 }`")
     }
 }

@@ -1,0 +1,12 @@
+//! Systems started from composites.
+#![allow(clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod deployment;
+mod reconfigure;
+#[path = "../../plan/tests/support/render.rs"]
+mod render;
+mod replacement;
+mod start;
+mod tca;
+#[path = "../../plan/tests/support/variables.rs"]
+mod variables;

@@ -1,0 +1,6 @@
+//! Specifications as components.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod conversion;
+mod events;
+mod life;

@@ -1,0 +1,15 @@
+//! Components in cycles: data flow, services, life cycle, real and virtual time.
+#![allow(clippy::panic, clippy::unwrap_used, reason = "tests")]
+
+mod addition;
+mod background;
+mod change;
+mod common;
+mod connections;
+mod cycle;
+mod derived;
+mod freeze;
+mod live;
+mod safe;
+mod schedule;
+mod services;
