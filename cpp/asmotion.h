@@ -770,6 +770,9 @@ static inline asmotion_received asmotion_receive(asmotion_connection *connection
 static inline bool asmotion_share(asmotion_connection *connection, asmotion_value hello) {
     int64_t announced = 0;
     struct stat of_requests, of_replies;
+#ifdef ASMOTION_SOCKET_ONLY
+    return false;
+#endif
     if (!asmotion_read_int(asmotion_get(hello, "shared_memory"), &announced) || announced <= 0) return false;
     if (connection->files[0] < 0 || connection->files[1] < 0 || connection->request_memory != NULL) return false;
     if (fstat(connection->files[0], &of_requests) != 0 || fstat(connection->files[1], &of_replies) != 0) return false;

@@ -111,3 +111,37 @@ fn the_messages_of_the_example_are_those_that_describe_prints() {
         "out of date: UPDATE_REFERENCE=1 cargo test -p asmotion --test main programs_cpp::"
     );
 }
+
+/// The blocks of a page in a language, of complete programs.
+fn programs(page: &str, language: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join(page)).unwrap();
+    let opening = format!("```{language}\n");
+    let blocks = text.split(&opening).skip(1);
+    let blocks = blocks.filter_map(|block| block.split("```").next());
+    let blocks = blocks.filter(|block| block.contains("int main("));
+    blocks.map(str::to_owned).collect()
+}
+
+#[test]
+fn the_programs_of_the_pages_compile() {
+    if !asmotion_skip::has_compiler() {
+        return;
+    }
+    let compile = |page: &str, language: &str, compiler: &str, standard: &str| {
+        let programs = programs(page, language);
+        assert_eq!(programs.len(), 1, "{page}");
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(format!("page.{language}"));
+        std::fs::write(&file, &programs[0]).unwrap();
+        let mut command = Command::new(compiler);
+        command.args([standard, "-fsyntax-only", "-Wall", "-Wextra", "-Werror"]);
+        for include in ["cpp", FOLDER] {
+            command.arg("-I").arg(root().join(include));
+        }
+        let output = command.arg(&file).stdin(Stdio::null()).output().unwrap();
+        assert!(output.status.success(), "{page}: {output:?}");
+    };
+    compile("cpp/README.md", "cpp", "c++", "-std=c++17");
+    compile("cpp/README.md", "c", "cc", "-std=gnu99");
+    compile("docs/programs.md", "cpp", "c++", "-std=c++17");
+}

@@ -10,14 +10,20 @@ import struct
 import sys
 from array import array
 from collections.abc import Mapping
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from asmotion.numbers import NumberView
+
+if TYPE_CHECKING:
+    from asmotion.memory import SharedMemory
 
 Buffer = Union[bytes, bytearray, memoryview]
 
 DEPTH = 64
 """Levels of lists and maps that may be nested."""
+
+SHARED_TAG = 6386541
+"""Tag of a reference to shared memory: `[offset, length]` in place of a byte string."""
 
 _LARGE = 1024
 """Size in bytes from which a buffer is passed on instead of being copied."""
@@ -60,20 +66,21 @@ def dumps(value: Any) -> bytes:
     return b"".join(encode(value))
 
 
-def encode(value: Any) -> list[Buffer]:
-    """Encodes a value as a sequence of buffers; large ones share the memory of the value.
+def encode(value: Any, memory: SharedMemory | None = None) -> list[Buffer]:
+    """Encodes a value as a sequence of buffers. Large ones are in `memory`, or else are those of the value.
 
     Raises:
         CborError: a value that has no form in CBOR, with its place.
     """
-    writer = _Writer()
+    writer = _Writer(memory)
     writer.write(value, DEPTH)
     writer.flush()
     return writer.parts
 
 
 class _Writer:
-    def __init__(self) -> None:
+    def __init__(self, memory: SharedMemory | None) -> None:
+        self.memory = memory
         self.parts: list[Buffer] = []
         self.pending = bytearray()
 
@@ -102,6 +109,17 @@ class _Writer:
             self.flush()
             self.parts.append(buffer)
 
+    def byte_string(self, content: Buffer) -> None:
+        offset = self.memory.store(content) if self.memory is not None else None
+        if offset is None:
+            self.head(2, len(content))
+            self.raw(content)
+            return
+        self.head(6, SHARED_TAG)
+        self.head(4, 2)
+        self.head(0, offset)
+        self.head(0, len(content))
+
     def write(self, value: Any, depth: int) -> None:
         kind = type(value)
         if kind is float:
@@ -124,8 +142,7 @@ class _Writer:
                 except CborError as error:
                     raise _within(f"[{index}]", error) from None
         elif isinstance(value, (bytes, bytearray)):
-            self.head(2, len(value))
-            self.raw(value)
+            self.byte_string(value)
         else:
             self.other(value, depth)
 
@@ -189,8 +206,7 @@ class _Writer:
             content = memory.tobytes()
         if tag != 64:  # a byte string is a list of bytes as it is
             self.head(6, tag)
-        self.head(2, len(content))
-        self.raw(content)
+        self.byte_string(content)
 
 
 def _within(place: str, error: CborError) -> CborError:
@@ -200,13 +216,13 @@ def _within(place: str, error: CborError) -> CborError:
     return CborError(f"at {place}: {text}")
 
 
-def loads(data: Buffer) -> Any:
-    """Decodes exactly one item. Byte strings and typed arrays are a `NumberView` on `data`.
+def loads(data: Buffer, memory: SharedMemory | None = None) -> Any:
+    """Decodes exactly one item, which may refer to `memory`. Byte strings and typed arrays are a `NumberView` on `data`.
 
     Raises:
         CborError: `data` is not exactly one CBOR item.
     """
-    reader = _Reader(memoryview(data).cast("B"))
+    reader = _Reader(memoryview(data).cast("B"), memory)
     value = reader.read(DEPTH)
     if reader.at != len(reader.memory):
         raise CborError(f"{len(reader.memory) - reader.at} bytes after the end")
@@ -217,8 +233,9 @@ _BREAK = object()
 
 
 class _Reader:
-    def __init__(self, memory: memoryview) -> None:
+    def __init__(self, memory: memoryview, shared: SharedMemory | None) -> None:
         self.memory = memory
+        self.shared = shared
         self.at = 0
 
     def take(self, count: int) -> memoryview:
@@ -324,16 +341,40 @@ class _Reader:
             left = None if left is None else left - 1
         return entries
 
+    def fetched(self, shared: SharedMemory, depth: int) -> memoryview:
+        """Reads the content of a reference to shared memory."""
+        reference = self.read(depth - 1)
+        if not isinstance(reference, list) or [type(part) for part in reference] != [int, int]:
+            raise CborError("a reference to shared memory is not an offset and a length")
+        try:
+            return shared.fetch(*reference)
+        except ValueError as error:
+            raise CborError(str(error)) from None
+
+    def content(self, depth: int) -> memoryview | None:
+        """Reads the content of a typed array; `None` if there is no byte string."""
+        major = self.memory[self.at] >> 5 if self.at < len(self.memory) else None
+        before = self.at
+        if major == 2:
+            length = self.argument(self.take(1)[0] & 31)
+            if length is None:
+                raise CborError("a typed array in pieces")
+            return self.take(length)
+        if major == 6 and self.argument(self.take(1)[0] & 31) == SHARED_TAG and self.shared is not None:
+            return self.fetched(self.shared, depth)
+        self.at = before
+        return None
+
     def tagged(self, tag: int, depth: int) -> Any:
-        if tag not in _ELEMENTS or self.at >= len(self.memory) or self.memory[self.at] >> 5 != 2:
+        if tag == SHARED_TAG and self.shared is not None:
+            return NumberView(self.fetched(self.shared, depth))
+        content = self.content(depth) if tag in _ELEMENTS else None
+        if content is None:
             return self.read(depth - 1)
-        length = self.argument(self.take(1)[0] & 31)
-        if length is None:
-            raise CborError("a typed array in pieces")
         (element, order) = _ELEMENTS[tag]
-        if length % element[1]:
-            raise CborError(f"a typed array of {length} bytes has elements of {element[1]} bytes")
-        memory, code = self.take(length), _FORMATS[element]
+        if len(content) % element[1]:
+            raise CborError(f"a typed array of {len(content)} bytes has elements of {element[1]} bytes")
+        memory, code = content, _FORMATS[element]
         if order == sys.byteorder or element[1] == 1:
             return NumberView(memory.cast(code))  # type: ignore[call-overload]
         swapped = array(code, bytes(memory))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 import asyncio
 import gc
 import inspect
@@ -15,6 +16,7 @@ from typing import Any, NoReturn
 from asmotion import cbor, frozen
 from asmotion.component import Component, Cycle, Engine, Pending, ServedOperation
 from asmotion.errors import CallError, DeclarationError, Fault, fault_of
+from asmotion.memory import SharedMemory
 from asmotion.types import Form
 
 FRAME_LIMIT = 64 << 20
@@ -293,15 +295,36 @@ class Connection:
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self.socket.connect(path)
         self.lock = threading.Lock()
+        self.files = array.array("i")
+        self.memory: SharedMemory | None = None
+
+    def agree(self, hello: dict[str, Any], declared: dict[str, Any]) -> None:
+        """Declares the use of the shared memory that `hello` offers."""
+        files, self.files = list(self.files), array.array("i")
+        size = hello.get("shared_memory")
+        if len(files) != 2 or type(size) is not int:
+            for file in files:
+                os.close(file)
+            return
+        try:
+            self.memory = SharedMemory(files, size)
+        except (OSError, ValueError):  # all data go through the socket
+            return
+        declared["shared_memory"] = True
 
     def send(self, message: dict[str, Any]) -> None:
-        """Sends a message; large arrays leave without a copy.
+        """Sends a reply; large arrays are in shared memory, or leave without a copy.
 
         Raises:
             ValueError: the message is longer than a frame may be.
             OSError: the engine has closed the connection.
         """
-        parts = [memoryview(part).cast("B") for part in cbor.encode(message)]
+        if self.memory is not None:
+            self.memory.begin()
+        self._send(cbor.encode(message, self.memory))
+
+    def _send(self, message: list[cbor.Buffer]) -> None:
+        parts = [memoryview(part).cast("B") for part in message]
         length = sum(map(len, parts))
         if length > FRAME_LIMIT:
             raise ValueError(f"the outputs of a cycle have {length} bytes, and at most {FRAME_LIMIT} can be sent")
@@ -329,7 +352,7 @@ class Connection:
         frame = self._exactly(length)
         if frame is None:
             return None
-        message = cbor.loads(frame)
+        message = cbor.loads(frame, self.memory)
         if not isinstance(message, dict):
             raise ValueError("a frame that is not a map")
         return message
@@ -338,7 +361,10 @@ class Connection:
         buffer = bytearray(count)
         view = memoryview(buffer)
         while view:
-            received = self.socket.recv_into(view)
+            received, ancillary, _, _ = self.socket.recvmsg_into([view], socket.CMSG_SPACE(8))
+            for level, kind, data in ancillary:
+                if (level, kind) == (socket.SOL_SOCKET, socket.SCM_RIGHTS):
+                    self.files.frombytes(data)
             if received == 0:
                 return None
             view = view[received:]
@@ -347,7 +373,7 @@ class Connection:
     def wake(self) -> None:
         """Requests a cycle. Does nothing if the engine has closed the connection."""
         try:
-            self.send({"type": "wake"})
+            self._send(cbor.encode({"type": "wake"}))
         except OSError:
             pass
 
@@ -370,6 +396,8 @@ def run(cls: type[Component]) -> NoReturn:
     gc.freeze()
     while (request := connection.receive()) is not None and request.get("type") != "exit":
         reply = program.handle(request)
+        if reply.get("type") == "declare":
+            connection.agree(request, reply)
         try:
             connection.send(reply)
         except ValueError as error:  # the reply has no form as data, or is too long

@@ -166,6 +166,9 @@ impl Schema {
         let Some(count) = datum.count().filter(|_| !matches!(datum, Datum::Record(_))) else {
             return Err(self.mismatch_with(datum));
         };
+        if element.accepts_packed(datum) {
+            return Ok(count);
+        }
         for index in 0..count {
             if let Some(datum) = datum.element(index) {
                 element
@@ -174,6 +177,22 @@ impl Schema {
             }
         }
         Ok(count)
+    }
+
+    /// Returns whether the elements of bytes or packed numbers fit by their type alone.
+    fn accepts_packed(&self, packed: &Datum) -> bool {
+        let element = match packed {
+            Datum::Bytes(_) => Shape::U8,
+            Datum::Numbers(numbers) => numbers.shape(),
+            Datum::Null
+            | Datum::Bool(_)
+            | Datum::Int(_)
+            | Datum::Float(_)
+            | Datum::Text(_)
+            | Datum::List(_)
+            | Datum::Record(_) => return false,
+        };
+        self.shape == element || matches!(self.shape, Shape::F32 | Shape::F64)
     }
 
     fn check(&self, fits: bool, datum: &Datum) -> Result<(), DatumError> {

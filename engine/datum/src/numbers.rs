@@ -45,7 +45,7 @@ macro_rules! numbers {
             /// a multiple of the element size.
             pub fn from_tagged(tag: u64, bytes: &[u8]) -> Option<Self> {
                 match tag {
-                    $($tag => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
+                    $($tag => <$element as Packed>::unpack(bytes).map(Self::$variant),)+
                     _ => None,
                 }
             }
@@ -58,7 +58,7 @@ macro_rules! numbers {
             /// The numbers that serde carried under a newtype name; `None` if the name belongs to no packed list.
             pub(crate) fn from_carrier(name: &str, bytes: &[u8]) -> Option<Self> {
                 match name {
-                    $($name => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
+                    $($name => <$element as Packed>::unpack(bytes).map(Self::$variant),)+
                     _ => None,
                 }
             }
@@ -82,7 +82,7 @@ macro_rules! numbers {
             /// if the length is not a multiple of the element size.
             pub(crate) fn from_shape(shape: &Shape, bytes: &[u8]) -> Option<Self> {
                 match shape {
-                    $(Shape::$variant => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
+                    $(Shape::$variant => <$element as Packed>::unpack(bytes).map(Self::$variant),)+
                     Shape::Any
                     | Shape::Bool
                     | Shape::U8
@@ -105,10 +105,14 @@ macro_rules! numbers {
             const NAME: &'static str = $name;
 
             fn pack(all: &[Self]) -> Vec<u8> {
-                all.iter().flat_map(|one| one.to_le_bytes()).collect()
+                let mut bytes = Vec::with_capacity(size_of_val(all));
+                for one in all {
+                    bytes.extend_from_slice(&one.to_le_bytes());
+                }
+                bytes
             }
 
-            fn unpack(bytes: &[u8]) -> Option<Vec<Self>> {
+            fn unpack<C: FromIterator<Self>>(bytes: &[u8]) -> Option<C> {
                 let (elements, rest) = bytes.as_chunks();
                 rest.is_empty()
                     .then(|| elements.iter().map(|one| Self::from_le_bytes(*one)).collect())
@@ -156,7 +160,7 @@ pub(crate) trait Packed: Sized {
     fn pack(all: &[Self]) -> Vec<u8>;
 
     /// Returns `None` if the length is not a multiple of the element size.
-    fn unpack(bytes: &[u8]) -> Option<Vec<Self>>;
+    fn unpack<C: FromIterator<Self>>(bytes: &[u8]) -> Option<C>;
 }
 
 /// Bytes are packed already.
@@ -167,7 +171,7 @@ impl Packed for u8 {
         all.to_vec()
     }
 
-    fn unpack(bytes: &[u8]) -> Option<Vec<Self>> {
-        Some(bytes.to_vec())
+    fn unpack<C: FromIterator<Self>>(bytes: &[u8]) -> Option<C> {
+        Some(bytes.iter().copied().collect())
     }
 }

@@ -10,6 +10,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use crate::error::ProgramError;
 use crate::frame::{self, CHUNK, FrameBuffer};
 use crate::log::ProgramLog;
+use crate::memory::{self, SharedMemory};
 use crate::process::{ProgramProcess, REST};
 use crate::waiting::timespec;
 
@@ -28,6 +29,7 @@ pub(crate) struct ProgramConnection {
     stream: UnixStream,
     pub log: ProgramLog,
     received: FrameBuffer,
+    sharing: Sharing,
     /// The program has closed its end of the socket. What it sent before still counts.
     is_at_end: bool,
     /// Set by `wake` messages, cleared by `take_wake`.
@@ -45,6 +47,7 @@ impl ProgramConnection {
             stream,
             log,
             received: FrameBuffer::default(),
+            sharing: SharedMemory::new().map_or(Sharing::None, Sharing::Created),
             is_at_end: false,
             has_woken: false,
             is_closed: false,
@@ -55,6 +58,24 @@ impl ProgramConnection {
     /// The socket, for a thread that waits for `wake` messages.
     pub(crate) fn stream(&self) -> &UnixStream {
         &self.stream
+    }
+
+    /// Returns the size of the shared memory that is offered to the program; 0 without any.
+    pub(crate) fn offered_memory(&self) -> usize {
+        match self.sharing {
+            Sharing::None => 0,
+            Sharing::Created(_) | Sharing::Sent(_) | Sharing::Agreed(_) => memory::SIZE,
+        }
+    }
+
+    /// Notes whether the program uses the shared memory.
+    pub(crate) fn agree(&mut self, uses_memory: bool) {
+        self.sharing = match std::mem::replace(&mut self.sharing, Sharing::None) {
+            Sharing::Sent(memory) if uses_memory => Sharing::Agreed(memory),
+            Sharing::None | Sharing::Created(_) | Sharing::Sent(_) | Sharing::Agreed(_) => {
+                Sharing::None
+            }
+        };
     }
 
     pub(crate) fn is_closed(&self) -> bool {
@@ -80,7 +101,7 @@ impl ProgramConnection {
             let ended = self.ended();
             return Err(self.violation.take().unwrap_or(ended));
         }
-        let frame = frame::encode(request)?;
+        let frame = frame::encode(request, self.sharing.agreed())?;
         let until = Instant::now() + limit;
         let reply = self
             .send(&frame, until)
@@ -114,7 +135,7 @@ impl ProgramConnection {
             return Err(ExchangeFailure::Other(unasked()));
         }
         while !frame.is_empty() {
-            match self.stream.write(frame) {
+            match self.write(frame) {
                 Ok(count) => frame = frame.get(count..).unwrap_or(&[]),
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                     if !self.wait(PollFlags::IN | PollFlags::OUT, until) {
@@ -132,6 +153,21 @@ impl ProgramConnection {
             }
         }
         Ok(())
+    }
+
+    /// Writes to the socket. The first bytes go with the files of the shared memory.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let sharing = std::mem::replace(&mut self.sharing, Sharing::None);
+        let Sharing::Created(memory) = sharing else {
+            self.sharing = sharing;
+            return self.stream.write(bytes);
+        };
+        let sent = memory.send(&self.stream, bytes);
+        self.sharing = match sent {
+            Ok(_) => Sharing::Sent(memory),
+            Err(_) => Sharing::Created(memory),
+        };
+        sent
     }
 
     /// Waits for a reply; `None` if there is none in time.
@@ -188,8 +224,10 @@ impl ProgramConnection {
 
     /// Takes the first message that is not `wake`.
     fn take_frame(&mut self) -> Result<Option<Datum>, ExchangeFailure> {
-        while let Some(bytes) = self.received.next().map_err(ExchangeFailure::Other)? {
-            let message = frame::decode(&bytes).map_err(|error| {
+        let memory = self.sharing.agreed();
+        let decode = |bytes: &[u8]| frame::decode(bytes, memory);
+        while let Some(message) = self.received.next(decode).map_err(ExchangeFailure::Other)? {
+            let message = message.map_err(|error| {
                 ExchangeFailure::Other(ProgramError::Protocol(format!(
                     "a frame is not an item of CBOR: {error}"
                 )))
@@ -250,12 +288,33 @@ impl ProgramConnection {
     pub(crate) fn end(&mut self) {
         if !self.is_closed {
             let exit = Datum::record([("type", Datum::text("exit"))]);
-            let frame = frame::encode(&exit).unwrap_or_default();
+            let frame = frame::encode(&exit, None).unwrap_or_default();
             if self.send(&frame, Instant::now() + NAP).is_ok() {
                 self.process.finish(&mut self.log);
             }
         }
         self.close();
+    }
+}
+
+/// The agreement with the program on memory for large data.
+enum Sharing {
+    /// The system has no such memory, or the program has declined it: all data go through the socket.
+    None,
+    /// The files go to the program with the first bytes.
+    Created(SharedMemory),
+    /// The program has the files, and has not declared yet whether it uses them.
+    Sent(SharedMemory),
+    Agreed(SharedMemory),
+}
+
+impl Sharing {
+    /// Returns the memory that both sides use.
+    fn agreed(&self) -> Option<&SharedMemory> {
+        match self {
+            Self::Agreed(memory) => Some(memory),
+            Self::None | Self::Created(_) | Self::Sent(_) => None,
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use asmotion_datum::{Datum, DatumError, Schema, Shape};
 use crate::connection::ProgramConnection;
 use crate::error::ProgramError;
 use crate::process::{self, ProgramCommand};
-use crate::reply::{expect, text_of};
+use crate::reply::{expect, text_of, value_of};
 use crate::request::ProgramRequest;
 
 /// Version of the protocol.
@@ -82,11 +82,17 @@ pub(crate) fn connect(
         .put("protocol", PROTOCOL)
         .put("component", component)
         .put("clock", clock);
+    let hello = match i64::try_from(connection.offered_memory()) {
+        Ok(size) if size > 0 => hello.put("shared_memory", size),
+        Ok(_) | Err(_) => hello,
+    };
     let left = until.saturating_duration_since(Instant::now());
     let reply = connection.exchange(&hello.datum(), "hello", left);
     let reply = reply.map_err(|error| error.with_limit(command.start_timeout))?;
     expect(&reply, "declare", "hello")?;
     let declaration = ProgramDeclaration::read(&reply)?;
+    let uses_memory = value_of(&reply, "shared_memory").and_then(Datum::as_bool);
+    connection.agree(uses_memory == Some(true));
     Ok((connection, declaration))
 }
 

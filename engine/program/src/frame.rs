@@ -2,9 +2,10 @@
 
 use std::io::{self, Read};
 
-use asmotion_datum::{Codec, Datum, DatumError, Schema, Shape};
+use asmotion_datum::{Datum, DatumError, cbor};
 
 use crate::error::ProgramError;
+use crate::memory::SharedMemory;
 
 /// Longest frame in bytes.
 pub(crate) const LONGEST: usize = 64 << 20;
@@ -15,28 +16,41 @@ const HEADER: usize = 4;
 /// Least number of bytes that are read at once; memory grows with the bytes that arrive, not with the announced length.
 pub(crate) const CHUNK: usize = 256 << 10;
 
-/// Encodes a message with its length.
+/// Encodes a message with its length. Large byte strings are in the memory, if there is one.
 ///
 /// # Errors
 /// The message is too long for a frame.
-pub(crate) fn encode(message: &Datum) -> Result<Vec<u8>, ProgramError> {
-    let bytes = Codec::Cbor.encode(message, &Schema::plain(Shape::Any));
-    let bytes = bytes.map_err(|error| ProgramError::protocol(error.to_string()))?;
-    let length = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
-    if bytes.len() > LONGEST {
+pub(crate) fn encode(
+    message: &Datum,
+    memory: Option<&SharedMemory>,
+) -> Result<Vec<u8>, ProgramError> {
+    let mut memory = memory.map(SharedMemory::writer);
+    let mut store = |bytes: &[u8]| memory.as_mut()?.store(bytes);
+    let mut frame = vec![0; HEADER];
+    cbor::append(message, &mut frame, &mut store)
+        .map_err(|error| ProgramError::protocol(error.to_string()))?;
+    let length = frame.len() - HEADER;
+    let head = u32::try_from(length).ok().filter(|_| length <= LONGEST);
+    let Some(head) = head else {
         return Err(ProgramError::Protocol(format!(
             "the inputs of a cycle have {length} bytes; a frame has at most {LONGEST}"
         )));
-    }
-    Ok([&length.to_le_bytes()[..], &bytes].concat())
+    };
+    frame[..HEADER].copy_from_slice(&head.to_le_bytes());
+    Ok(frame)
 }
 
-/// Decodes the content of a frame.
+/// Decodes the content of a frame, of which byte strings may be in the memory.
 ///
 /// # Errors
-/// The bytes are not one item of CBOR.
-pub(crate) fn decode(bytes: &[u8]) -> Result<Datum, DatumError> {
-    Codec::Cbor.decode(bytes, &Schema::plain(Shape::Any))
+/// The bytes are not one item of CBOR, or refer to memory that there is not.
+pub(crate) fn decode(bytes: &[u8], memory: Option<&SharedMemory>) -> Result<Datum, DatumError> {
+    let mut memory = memory.map(SharedMemory::reader);
+    cbor::decode_apart(bytes, &mut |offset, length| {
+        let memory = memory.as_mut();
+        let memory = memory.ok_or("the program has not declared `shared_memory`")?;
+        memory.fetch(offset, length)
+    })
 }
 
 /// Collects received bytes to frames.
@@ -65,11 +79,14 @@ impl FrameBuffer {
         self.received > LONGEST + CHUNK
     }
 
-    /// Removes and returns the content of the first frame; `None` until all of it has been received.
+    /// Decodes and removes the first frame; `None` until all of it has been received.
     ///
     /// # Errors
     /// The announced length is too great.
-    pub(crate) fn next(&mut self) -> Result<Option<Vec<u8>>, ProgramError> {
+    pub(crate) fn next<T>(
+        &mut self,
+        decode: impl FnOnce(&[u8]) -> T,
+    ) -> Result<Option<T>, ProgramError> {
         let received = &self.bytes[..self.received];
         let Some((header, rest)) = received.split_first_chunk::<HEADER>() else {
             return Ok(None);
@@ -84,10 +101,10 @@ impl FrameBuffer {
         let Some(content) = rest.get(..length) else {
             return Ok(None);
         };
-        let content = content.to_vec();
+        let decoded = decode(content);
         let end = HEADER + length;
         self.bytes.copy_within(end..self.received, 0);
         self.received -= end;
-        Ok(Some(content))
+        Ok(Some(decoded))
     }
 }

@@ -12,6 +12,7 @@ mod declaration;
 mod error;
 mod frame;
 mod log;
+mod memory;
 mod parent_death;
 mod process;
 mod reply;

@@ -4,6 +4,7 @@
 //! entries in their own order), so the encoded form can be hashed.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use cbor4ii::core::dec::{self, Decode, Read};
 use cbor4ii::core::enc::{self, Encode};
@@ -17,13 +18,45 @@ use crate::error::{DatumError, DatumProblem};
 use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
+/// Tag of a reference to shared memory: `[offset, length]` in place of a byte string.
+pub const SHARED_TAG: u64 = 6_386_541;
+
+/// Stores the content of a byte string elsewhere and returns its offset there; `None` to encode it in place.
+pub type StoreBytes<'f> = dyn FnMut(&[u8]) -> Option<u64> + 'f;
+
+/// Fetches a byte string of which only the offset and the length have been encoded; an error is its reason.
+pub type FetchBytes<'f> = dyn FnMut(u64, u64) -> Result<Arc<[u8]>, String> + 'f;
+
+/// Appends a datum, whose byte strings and packed numbers may be kept elsewhere, to bytes.
+///
+/// # Errors
+/// The allocator has no memory for it.
+pub fn append(
+    datum: &Datum,
+    to: &mut Vec<u8>,
+    store: &mut StoreBytes<'_>,
+) -> Result<(), DatumError> {
+    let mut writer = BufWriter::new(std::mem::take(to));
+    let written = write(datum, &mut writer, store);
+    *to = writer.into_inner();
+    written.map_err(malformed)
+}
+
+/// Decodes one datum, of which byte strings and packed numbers may be kept elsewhere.
+///
+/// # Errors
+/// As for [`decode`], and the reasons of `fetch`.
+pub fn decode_apart(bytes: &[u8], fetch: &mut FetchBytes<'_>) -> Result<Datum, DatumError> {
+    read_all(bytes, &mut Some(fetch))
+}
+
 /// Encodes any serde value as CBOR.
 ///
 /// # Errors
 /// The value has no form as a datum: an integer beyond 64 bits, or a map whose keys are not text.
 pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {
     let mut writer = BufWriter::new(Vec::new());
-    write(&Datum::of(value)?, &mut writer).map_err(malformed)?;
+    write(&Datum::of(value)?, &mut writer, &mut |_| None).map_err(malformed)?;
     Ok(writer.into_inner())
 }
 
@@ -38,8 +71,15 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DatumError> {
 
 /// Decodes one datum; further bytes after it are an error.
 pub(super) fn read_whole(bytes: &[u8]) -> Result<Datum, DatumError> {
+    read_all(bytes, &mut None)
+}
+
+/// The way to byte strings that are kept elsewhere, if there is one.
+type Apart<'f, 'g> = Option<&'f mut FetchBytes<'g>>;
+
+fn read_all(bytes: &[u8], apart: &mut Apart<'_, '_>) -> Result<Datum, DatumError> {
     let mut reader = SliceReader::new(bytes);
-    let datum = read(&mut reader, DEPTH)?;
+    let datum = read(&mut reader, DEPTH, apart)?;
     let rest = reader.fill(1).map_err(malformed)?;
     if !rest.as_ref().is_empty() {
         return Err(malformed("trailing bytes"));
@@ -56,36 +96,58 @@ fn malformed(reason: impl ToString) -> DatumError {
 
 type EncodeResult<W> = Result<(), enc::Error<<W as enc::Write>::Error>>;
 
-fn write<W: enc::Write>(datum: &Datum, writer: &mut W) -> EncodeResult<W> {
+fn write<W: enc::Write>(
+    datum: &Datum,
+    writer: &mut W,
+    store: &mut StoreBytes<'_>,
+) -> EncodeResult<W> {
     match datum {
         Datum::Null => types::Null.encode(writer),
         Datum::Bool(value) => value.encode(writer),
         Datum::Int(value) => value.encode(writer),
         Datum::Float(value) => value.encode(writer),
         Datum::Text(value) => value.as_str().encode(writer),
-        Datum::Bytes(bytes) => types::Bytes(&**bytes).encode(writer),
+        Datum::Bytes(bytes) => write_bytes(bytes, writer, store),
         Datum::Numbers(numbers) => {
-            let bytes = numbers.to_bytes();
-            types::Tag(numbers.tag(), types::Bytes(bytes.as_slice())).encode(writer)
+            types::Tag(numbers.tag(), types::Nothing).encode(writer)?;
+            write_bytes(&numbers.to_bytes(), writer, store)
         }
         Datum::List(elements) => {
             types::Array::bounded(elements.len(), writer)?;
             elements
                 .iter()
-                .try_for_each(|element| write(element, writer))
+                .try_for_each(|element| write(element, writer, store))
         }
         Datum::Record(entries) => {
             types::Map::bounded(entries.len(), writer)?;
             entries.iter().try_for_each(|(name, value)| {
                 name.as_ref().encode(writer)?;
-                write(value, writer)
+                write(value, writer, store)
             })
         }
     }
 }
 
+fn write_bytes<W: enc::Write>(
+    bytes: &[u8],
+    writer: &mut W,
+    store: &mut StoreBytes<'_>,
+) -> EncodeResult<W> {
+    let Some(offset) = store(bytes) else {
+        return types::Bytes(bytes).encode(writer);
+    };
+    types::Tag(SHARED_TAG, types::Nothing).encode(writer)?;
+    types::Array::bounded(2, writer)?;
+    offset.encode(writer)?;
+    (bytes.len() as u64).encode(writer)
+}
+
 /// Reads one datum that may nest `depth` levels deep.
-fn read<'de>(reader: &mut SliceReader<'de>, depth: usize) -> Result<Datum, DatumError> {
+fn read(
+    reader: &mut SliceReader<'_>,
+    depth: usize,
+    apart: &mut Apart<'_, '_>,
+) -> Result<Datum, DatumError> {
     let Some(depth) = depth.checked_sub(1) else {
         return Err(DatumError::new(DatumProblem::TooDeep(DEPTH)));
     };
@@ -94,9 +156,9 @@ fn read<'de>(reader: &mut SliceReader<'de>, depth: usize) -> Result<Datum, Datum
         major::UNSIGNED | major::NEGATIVE => i64::decode(reader).map(Datum::Int).map_err(malformed),
         major::BYTES => Ok(Datum::Bytes(bytes(reader)?.as_ref().into())),
         major::STRING => text(reader).map(|text| Datum::Text(text.into_owned())),
-        major::ARRAY => list(reader, depth),
-        major::MAP => record(reader, depth),
-        major::TAG => tagged(reader, depth),
+        major::ARRAY => list(reader, depth, apart),
+        major::MAP => record(reader, depth, apart),
+        major::TAG => tagged(reader, depth, apart),
         _simple => simple(reader, first),
     }
 }
@@ -137,17 +199,25 @@ fn each(
     }
 }
 
-fn list(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
+fn list(
+    reader: &mut SliceReader<'_>,
+    depth: usize,
+    apart: &mut Apart<'_, '_>,
+) -> Result<Datum, DatumError> {
     let announced = types::Array::len(reader).map_err(malformed)?;
     let mut elements = Vec::new();
     each(reader, announced, |reader| {
-        elements.push(read(reader, depth)?);
+        elements.push(read(reader, depth, apart)?);
         Ok(())
     })?;
     Ok(Datum::List(elements))
 }
 
-fn record(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
+fn record(
+    reader: &mut SliceReader<'_>,
+    depth: usize,
+    apart: &mut Apart<'_, '_>,
+) -> Result<Datum, DatumError> {
     let announced = types::Map::len(reader).map_err(malformed)?;
     let mut entries: Vec<(FieldName, Datum)> = Vec::new();
     each(reader, announced, |reader| {
@@ -155,7 +225,7 @@ fn record(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumErro
             return Err(DatumError::new(DatumProblem::KeyNotText));
         }
         let name = text(reader)?.into_owned();
-        entries.push((name.into(), read(reader, depth)?));
+        entries.push((name.into(), read(reader, depth, apart)?));
         Ok(())
     })?;
     Ok(Datum::Record(entries))
@@ -163,15 +233,38 @@ fn record(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumErro
 
 /// Reads a tagged item: a typed array (RFC 8746) becomes packed numbers; any other tag is ignored and its content is
 /// used.
-fn tagged(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
+fn tagged(
+    reader: &mut SliceReader<'_>,
+    depth: usize,
+    apart: &mut Apart<'_, '_>,
+) -> Result<Datum, DatumError> {
     let tag = types::Tag::tag(reader).map_err(malformed)?;
-    let content = read(reader, depth)?;
+    let content = read(reader, depth, apart)?;
+    if tag == SHARED_TAG
+        && let Some(fetch) = apart
+    {
+        return fetched(&content, fetch);
+    }
     if let Datum::Bytes(bytes) = &content
         && let Some(numbers) = Numbers::from_tagged(tag, bytes)
     {
         return Ok(Datum::Numbers(numbers));
     }
     Ok(content)
+}
+
+/// Fetches a byte string by its reference.
+fn fetched(reference: &Datum, fetch: &mut FetchBytes<'_>) -> Result<Datum, DatumError> {
+    let Datum::List(parts) = reference else {
+        return Err(malformed("a reference to shared memory is not a list"));
+    };
+    if let [Datum::Int(offset), Datum::Int(length)] = parts.as_slice()
+        && let (Ok(offset), Ok(length)) = (u64::try_from(*offset), u64::try_from(*length))
+    {
+        return fetch(offset, length).map(Datum::Bytes).map_err(malformed);
+    }
+    let problem = "a reference to shared memory is not an offset and a length";
+    Err(malformed(problem))
 }
 
 fn simple(reader: &mut SliceReader<'_>, first: u8) -> Result<Datum, DatumError> {

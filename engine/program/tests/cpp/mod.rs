@@ -9,6 +9,8 @@ use asmotion_skip::compile;
 
 use super::*;
 
+mod memory;
+
 const GRIPPER: &str = "examples/gripper-cpp/gripper.cpp";
 
 /// The command of a program of this folder or of an example; `None` without a compiler.
