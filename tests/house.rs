@@ -20,7 +20,7 @@ const FLOORS: &[&[&str]] = &[
     // the ground floor
     &["asmotion-diagnostics"],
     // the language
-    &["asmotion-value"],
+    &["asmotion-value", "asmotion-temporal"],
     &["asmotion-syntax", "asmotion-stdlib"],
     &["asmotion-hir", "asmotion-grammar"],
     &["asmotion-ir"],

@@ -1,0 +1,125 @@
+//! Fairness constraints on infinite paths.
+
+use crate::bits::Bits;
+use crate::error::TemporalError;
+use crate::rows::Rows;
+
+/// What occurs infinitely often: a visit to one of some nodes, or a step along one of some edges.
+///
+/// Without nodes and without edges it never occurs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recurrent {
+    /// The nodes, if any.
+    pub nodes: Option<Bits>,
+    /// The edges, if any.
+    pub edges: Option<Bits>,
+}
+
+/// A constraint on infinite paths.
+///
+/// Weak fairness of an agent is `Justice(nodes where it is not enabled, edges along which it moves)`; strong fairness is
+/// `Compassion(nodes where it is enabled, edges along which it moves)`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fairness {
+    /// Occurs infinitely often.
+    Justice(Recurrent),
+    /// If the first occurs infinitely often, so does the second.
+    Compassion(Recurrent, Recurrent),
+}
+
+impl Recurrent {
+    /// Returns visits to one of these nodes.
+    pub fn nodes(nodes: Bits) -> Self {
+        Self {
+            nodes: Some(nodes),
+            edges: None,
+        }
+    }
+
+    /// Returns steps along one of these edges.
+    pub fn edges(edges: Bits) -> Self {
+        Self {
+            nodes: None,
+            edges: Some(edges),
+        }
+    }
+
+    /// Returns visits to one of these nodes and steps along one of these edges.
+    pub fn nodes_or_edges(nodes: Bits, edges: Bits) -> Self {
+        Self {
+            nodes: Some(nodes),
+            edges: Some(edges),
+        }
+    }
+
+    /// Returns whether visiting this node is an occurrence.
+    #[inline]
+    pub fn contains_node(&self, node: u32) -> bool {
+        let nodes = self.nodes.as_ref();
+        nodes.is_some_and(|it| it.contains(node as usize))
+    }
+
+    /// Returns whether a step along this edge is an occurrence.
+    #[inline]
+    pub fn contains_edge(&self, edge: usize) -> bool {
+        let edges = self.edges.as_ref();
+        edges.is_some_and(|it| it.contains(edge))
+    }
+
+    /// Returns the same occurrences in a graph whose nodes and edges correspond to the given ones.
+    pub(crate) fn lifted(&self, nodes: &[u32], edges: &[u32]) -> Self {
+        let lift = |bits: &Option<Bits>, origins: &[u32]| {
+            let bits = bits.as_ref()?;
+            let contains = |at: usize| {
+                origins
+                    .get(at)
+                    .is_some_and(|it| bits.contains(*it as usize))
+            };
+            Some(Bits::from_fn(origins.len(), contains))
+        };
+        Self {
+            nodes: lift(&self.nodes, nodes),
+            edges: lift(&self.edges, edges),
+        }
+    }
+
+    fn validate(&self, rows: &Rows) -> Result<(), TemporalError> {
+        let sets = [
+            ("nodes", &self.nodes, rows.node_count()),
+            ("edges", &self.edges, rows.edge_count()),
+        ];
+        for (what, bits, expected) in sets {
+            let found = bits.as_ref().map_or(expected, Bits::size);
+            if found != expected {
+                return Err(TemporalError::SetSize {
+                    what,
+                    expected,
+                    found,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Fairness {
+    /// Returns the same constraint for a graph whose nodes and edges correspond to the given ones.
+    pub(crate) fn lifted(&self, nodes: &[u32], edges: &[u32]) -> Self {
+        match self {
+            Self::Justice(often) => Self::Justice(often.lifted(nodes, edges)),
+            Self::Compassion(cause, effect) => {
+                Self::Compassion(cause.lifted(nodes, edges), effect.lifted(nodes, edges))
+            }
+        }
+    }
+
+    pub(crate) fn validate(&self, rows: &Rows) -> Result<(), TemporalError> {
+        match self {
+            Self::Justice(often) => often.validate(rows),
+            Self::Compassion(cause, effect) => {
+                cause.validate(rows)?;
+                effect.validate(rows)
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Formulas of linear temporal logic (LTL) with past operators.
+
+/// An LTL formula, which holds or not at a position of an infinite path.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Ltl {
+    /// Holds everywhere.
+    True,
+    /// Holds nowhere.
+    False,
+    /// Holds in the nodes of the set with this index.
+    Atom(usize),
+    /// Negation.
+    Not(Box<Ltl>),
+    /// Conjunction; true without operands.
+    And(Vec<Ltl>),
+    /// Disjunction; false without operands.
+    Or(Vec<Ltl>),
+    /// Implication.
+    Implies(Box<Ltl>, Box<Ltl>),
+    /// Equivalence.
+    Iff(Box<Ltl>, Box<Ltl>),
+    /// `X`: at the next position.
+    Next(Box<Ltl>),
+    /// `F`: now or later.
+    Finally(Box<Ltl>),
+    /// `G`: now and always.
+    Globally(Box<Ltl>),
+    /// `U`: the second formula holds now or later, and the first until then.
+    Until(Box<Ltl>, Box<Ltl>),
+    /// `V`: the second formula holds up to and including the position at which the first does, or for ever.
+    Release(Box<Ltl>, Box<Ltl>),
+    /// `W`: the first formula holds until the second does, or for ever.
+    WeakUntil(Box<Ltl>, Box<Ltl>),
+    /// `Y`: at the previous position, which exists.
+    Yesterday(Box<Ltl>),
+    /// `Z`: at the previous position, if it exists.
+    WeakYesterday(Box<Ltl>),
+    /// `O`: now or earlier.
+    Once(Box<Ltl>),
+    /// `H`: now and at all earlier positions.
+    Historically(Box<Ltl>),
+    /// `S`: the second formula holds now or held earlier, and the first has held since then.
+    Since(Box<Ltl>, Box<Ltl>),
+    /// `T`: the second formula has held since the first did, inclusively, or always.
+    Triggered(Box<Ltl>, Box<Ltl>),
+}
+
+macro_rules! constructors {
+    (unary: $($unary:ident $unary_variant:ident),*; binary: $($binary:ident $binary_variant:ident),*) => {
+        /// Constructors that box their operands.
+        impl Ltl {
+            $(
+                #[doc = concat!("Returns [`Self::", stringify!($unary_variant), "`].")]
+                #[must_use]
+                pub fn $unary(operand: Self) -> Self {
+                    Self::$unary_variant(Box::new(operand))
+                }
+            )*
+            $(
+                #[doc = concat!("Returns [`Self::", stringify!($binary_variant), "`].")]
+                #[must_use]
+                pub fn $binary(left: Self, right: Self) -> Self {
+                    Self::$binary_variant(Box::new(left), Box::new(right))
+                }
+            )*
+        }
+    };
+}
+
+constructors! {
+    unary: negation Not, next Next, finally Finally, globally Globally, yesterday Yesterday, weak_yesterday WeakYesterday,
+        once Once, historically Historically;
+    binary: implies Implies, iff Iff, until Until, release Release, weak_until WeakUntil, since Since, triggered Triggered
+}

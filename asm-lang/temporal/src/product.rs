@@ -1,0 +1,236 @@
+//! Checks LTL formulas: the product of a graph and an automaton, and its fair components.
+
+use crate::automaton::Automaton;
+use crate::bits::Bits;
+use crate::cycle::shortest_lasso;
+use crate::error::TemporalError;
+use crate::fair::FairNodes;
+use crate::fairness::{Fairness, Recurrent};
+use crate::graph::Graph;
+use crate::lasso::{Lasso, PathStep};
+use crate::letters::Letters;
+use crate::ltl::Ltl;
+use crate::rows::Rows;
+use crate::search::ShortestPaths;
+use crate::streett::fair_components;
+use crate::validate::validate;
+use crate::verdict::TemporalVerdict;
+use rustc_hash::FxHashMap;
+
+/// Checks whether an LTL formula holds on all fair paths from initial nodes.
+///
+/// The counterexample is a finite path if every fair continuation of it violates the formula, and otherwise a lasso: the shortest path
+/// to a fair cycle of the product with the automaton of the negated formula, and the shortest such cycle there.
+///
+/// # Errors
+/// A set has the wrong size, an atom does not exist, the automaton of the formula is too large, or the product has 2^32 - 1 nodes or
+/// edges.
+pub fn check_ltl(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ltl,
+    fairness: &[Fairness],
+) -> Result<TemporalVerdict, TemporalError> {
+    validate(graph, atoms, fairness)?;
+    let mut automaton = Automaton::of_negation(formula, atoms.len())?;
+    let fair = FairNodes::of(graph, fairness);
+    let product = Product::new(graph, atoms, &mut automaton, &fair)?;
+    let violation = match product.decided {
+        Some(node) => Some(product.path_to(node)),
+        None => product.lasso(fairness),
+    };
+    Ok(TemporalVerdict {
+        violation,
+        fair: fair.paths(graph),
+    })
+}
+
+/// The part of the product that is reachable along fair nodes.
+struct Product {
+    rows: Rows,
+    initial: Vec<u32>,
+    /// The node of the graph for each node.
+    nodes: Vec<u32>,
+    /// The edge of the graph for each edge.
+    edges: Vec<u32>,
+    /// For each obligation, the edges that postpone it.
+    postponing: Vec<Bits>,
+    /// A node at which the formula is violated, whatever fair path follows.
+    decided: Option<u32>,
+}
+
+/// A product that is being built. Its nodes are numbered in breadth-first order.
+struct ProductBuilder<'a> {
+    graph: &'a Graph,
+    atoms: &'a [Bits],
+    automaton: &'a mut Automaton,
+    fair: &'a FairNodes,
+    letters: Letters,
+    pairs: Pairs,
+    /// Edges that postpone obligations, and which.
+    postponing: Vec<(u32, u32)>,
+    product: Product,
+}
+
+/// Pairs of a node of the graph and a state of the automaton, in the order in which they were found.
+#[derive(Default)]
+struct Pairs {
+    ids: FxHashMap<(u32, u32), u32>,
+    nodes: Vec<u32>,
+    states: Vec<u32>,
+}
+
+impl Pairs {
+    #[inline]
+    fn id(&mut self, node: u32, state: u32) -> u32 {
+        let next = self.nodes.len() as u32;
+        let id = *self.ids.entry((node, state)).or_insert(next);
+        if id == next {
+            self.nodes.push(node);
+            self.states.push(state);
+        }
+        id
+    }
+}
+
+impl Product {
+    fn new(
+        graph: &Graph,
+        atoms: &[Bits],
+        automaton: &mut Automaton,
+        fair: &FairNodes,
+    ) -> Result<Self, TemporalError> {
+        let used: Vec<&Bits> = automaton
+            .atoms()
+            .iter()
+            .filter_map(|atom| atoms.get(*atom))
+            .collect();
+        let builder = ProductBuilder {
+            graph,
+            atoms,
+            fair,
+            letters: Letters::new(graph.node_count(), &used),
+            automaton,
+            pairs: Pairs::default(),
+            postponing: Vec::new(),
+            product: Self {
+                rows: Rows::new(),
+                initial: Vec::new(),
+                nodes: Vec::new(),
+                edges: Vec::new(),
+                postponing: Vec::new(),
+                decided: None,
+            },
+        };
+        builder.build()
+    }
+
+    /// Returns the shortest path to a node.
+    fn path_to(&self, node: u32) -> Lasso {
+        let goal = Bits::from_ones(self.nodes.len(), [node as usize]);
+        let (paths, _) = ShortestPaths::to_nearest(&self.rows, &self.initial, &goal, |_| true);
+        let (start, stem) = paths.path_to(node);
+        self.projected(Lasso {
+            start,
+            stem,
+            cycle: Vec::new(),
+        })
+    }
+
+    /// Returns a shortest lasso that satisfies fairness and postpones nothing for ever.
+    fn lasso(&self, fairness: &[Fairness]) -> Option<Lasso> {
+        let lifted = fairness
+            .iter()
+            .map(|it| it.lifted(&self.nodes, &self.edges));
+        let postponing = self.postponing.iter().cloned();
+        let kept = postponing.map(|it| Fairness::Justice(Recurrent::edges(it.complemented())));
+        let fairness: Vec<Fairness> = lifted.chain(kept).collect();
+        let all = Bits::full(self.nodes.len());
+        let components = fair_components(&self.rows, &all, &fairness);
+        let finish = |lasso| self.projected(lasso).folded();
+        shortest_lasso(
+            &self.rows,
+            &self.initial,
+            &all,
+            &components,
+            &fairness,
+            finish,
+        )
+    }
+
+    /// Returns the path of the graph for a path of the product.
+    fn projected(&self, lasso: Lasso) -> Lasso {
+        let step = |step: PathStep| PathStep {
+            edge: self.edges[step.edge as usize],
+            node: self.nodes[step.node as usize],
+        };
+        Lasso {
+            start: self.nodes[lasso.start as usize],
+            stem: lasso.stem.into_iter().map(step).collect(),
+            cycle: lasso.cycle.into_iter().map(step).collect(),
+        }
+    }
+}
+
+impl ProductBuilder<'_> {
+    fn build(mut self) -> Result<Product, TemporalError> {
+        for node in self.fair.initial(self.graph) {
+            let id = self.pairs.id(node, Automaton::START);
+            self.product.initial.push(id);
+        }
+        let mut at = 0;
+        while at < self.pairs.nodes.len() && self.product.decided.is_none() {
+            self.expand(at as u32)?;
+            at += 1;
+        }
+        let edge_count = self.product.rows.edge_count();
+        let mut postponing = vec![Bits::new(edge_count); self.automaton.until_count()];
+        for (edge, until) in self.postponing {
+            if let Some(edges) = postponing.get_mut(until as usize) {
+                edges.insert(edge as usize);
+            }
+        }
+        self.product.postponing = postponing;
+        self.product.nodes = self.pairs.nodes;
+        Ok(self.product)
+    }
+
+    /// Adds the edges of a node.
+    fn expand(&mut self, id: u32) -> Result<(), TemporalError> {
+        let (node, state) = (
+            self.pairs.nodes[id as usize],
+            self.pairs.states[id as usize],
+        );
+        let holds = |atom: usize| {
+            let atom = self.atoms.get(atom);
+            atom.is_some_and(|nodes| nodes.contains(node as usize))
+        };
+        let letter = self.letters.of(node);
+        let product = &mut self.product;
+        for step in self.automaton.steps(state, letter, &holds)? {
+            if step.is_final {
+                product.decided = Some(id);
+            }
+            let edges = self.graph.edges(node).zip(self.graph.successors(node));
+            for (edge, target) in edges.filter(|(_, target)| self.fair.contains(**target)) {
+                let added = product.rows.edge_count() as u32;
+                product.rows.push(self.pairs.id(*target, step.target));
+                product.edges.push(edge as u32);
+                let postponed = step.postponed.ones();
+                self.postponing
+                    .extend(postponed.map(|until| (added, until as u32)));
+            }
+        }
+        product.rows.end_node();
+        self.is_small_enough()
+    }
+
+    fn is_small_enough(&self) -> Result<(), TemporalError> {
+        // the next node adds at most one edge for each pair of an alternative and an edge of the graph
+        let limit = u32::MAX as usize - (1 << 26);
+        if self.pairs.nodes.len() >= limit || self.product.rows.edge_count() >= limit {
+            return Err(TemporalError::TooLarge("edges of the product"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,159 @@
+//! Fair components: the parts of a graph around which a fair path can run for ever.
+
+use crate::bits::Bits;
+use crate::fairness::{Fairness, Recurrent};
+use crate::rows::Rows;
+use crate::scc::ComponentSearch;
+
+/// Disjoint strongly connected subgraphs, in each of which some cycle visits all nodes and satisfies every constraint.
+///
+/// Every fair path ends in one of them, up to steps that it takes only finitely often: an infinite path stays in a strongly
+/// connected component at last, and avoids the causes whose effects the component lacks.
+#[derive(Debug)]
+pub(crate) struct FairComponents {
+    /// Component of each node; 0 for none.
+    regions: Vec<u32>,
+    /// Edges that no fair cycle takes, although both ends are in one component.
+    excluded: Option<Bits>,
+    /// The nodes of all components.
+    pub(crate) members: Bits,
+}
+
+impl FairComponents {
+    /// Returns the component of a node.
+    pub(crate) fn region(&self, node: u32) -> Option<u32> {
+        let region = self.regions.get(node as usize).copied();
+        region.filter(|it| *it != 0)
+    }
+
+    /// Returns whether an edge to `target` leads from a node of a component to a node of the same.
+    pub(crate) fn is_inside(&self, region: u32, edge: usize, target: u32) -> bool {
+        self.regions[target as usize] == region && !self.is_excluded(edge)
+    }
+
+    fn is_excluded(&self, edge: usize) -> bool {
+        self.excluded.as_ref().is_some_and(|it| it.contains(edge))
+    }
+
+    fn is_trivial(&self, rows: &Rows, nodes: &[u32]) -> bool {
+        let &[node] = nodes else {
+            return false;
+        };
+        let mut edges = rows.edges(node);
+        !edges.any(|edge| rows.target(edge) == Some(node) && !self.is_excluded(edge))
+    }
+
+    /// Returns whether something occurs in a component, whose nodes have been assigned to `region`.
+    fn occurs(&self, rows: &Rows, nodes: &[u32], region: u32, recurrent: &Recurrent) -> bool {
+        if nodes.iter().any(|node| recurrent.contains_node(*node)) {
+            return true;
+        }
+        let Some(marked) = &recurrent.edges else {
+            return false;
+        };
+        nodes.iter().any(|node| {
+            let mut edges = rows.edges(*node).zip(rows.targets(*node));
+            edges.any(|(edge, target)| {
+                marked.contains(edge) && self.is_inside(region, edge, *target)
+            })
+        })
+    }
+}
+
+/// Computes the fair components of the subgraph with the nodes `within`.
+///
+/// A component that lacks what justice requires is dropped. One that lacks the effect of compassion loses the causes and is
+/// decomposed again (Emerson and Lei's algorithm for Streett conditions).
+pub(crate) fn fair_components(rows: &Rows, within: &Bits, fairness: &[Fairness]) -> FairComponents {
+    let has_compassion = fairness
+        .iter()
+        .any(|it| matches!(it, Fairness::Compassion(_, _)));
+    let mut found = FairComponents {
+        regions: vec![0; rows.node_count()],
+        excluded: has_compassion.then(|| Bits::new(rows.edge_count())),
+        members: Bits::new(rows.node_count()),
+    };
+    let mut search = ComponentSearch::new(rows.node_count());
+    let mut regions = 1;
+    let all: Vec<u32> = within.ones().map(|node| node as u32).collect();
+    assign(&mut found, &all, regions);
+    let mut rest = vec![(regions, all)];
+    while let Some((region, nodes)) = rest.pop() {
+        let components = search.components(rows, &nodes, |edge, target| {
+            found.is_inside(region, edge, target)
+        });
+        assign(&mut found, &nodes, 0);
+        for nodes in components.iter() {
+            if found.is_trivial(rows, nodes) {
+                continue;
+            }
+            regions += 1;
+            assign(&mut found, nodes, regions);
+            match judge(&mut found, rows, nodes, regions, fairness) {
+                Judgement::Fair => {
+                    for node in nodes {
+                        found.members.insert(*node as usize);
+                    }
+                }
+                Judgement::Unfair => assign(&mut found, nodes, 0),
+                Judgement::Reduced(nodes) => rest.push((regions, nodes)),
+            }
+        }
+    }
+    found
+}
+
+fn assign(found: &mut FairComponents, nodes: &[u32], region: u32) {
+    for node in nodes {
+        found.regions[*node as usize] = region;
+    }
+}
+
+enum Judgement {
+    Fair,
+    Unfair,
+    /// Fair cycles, if any, are among these nodes and the edges that are not excluded.
+    Reduced(Vec<u32>),
+}
+
+fn judge(
+    found: &mut FairComponents,
+    rows: &Rows,
+    nodes: &[u32],
+    region: u32,
+    fairness: &[Fairness],
+) -> Judgement {
+    let mut avoided = Vec::new();
+    for constraint in fairness {
+        match constraint {
+            Fairness::Justice(often) => {
+                if !found.occurs(rows, nodes, region, often) {
+                    return Judgement::Unfair;
+                }
+            }
+            Fairness::Compassion(cause, effect) => {
+                if !found.occurs(rows, nodes, region, effect)
+                    && found.occurs(rows, nodes, region, cause)
+                {
+                    avoided.push(cause);
+                }
+            }
+        }
+    }
+    if avoided.is_empty() {
+        return Judgement::Fair;
+    }
+    let mut kept = nodes.to_vec();
+    for cause in avoided {
+        kept.retain(|node| !cause.contains_node(*node));
+        if let (Some(excluded), Some(edges)) = (&mut found.excluded, &cause.edges) {
+            let all = nodes.iter().flat_map(|node| rows.edges(*node));
+            for edge in all.filter(|edge| edges.contains(*edge)) {
+                excluded.insert(edge);
+            }
+        }
+    }
+    assign(found, nodes, 0);
+    assign(found, &kept, region);
+    Judgement::Reduced(kept)
+}

@@ -1,0 +1,14 @@
+//! Verdicts, counterexamples and witnesses, against definitions that are evaluated directly.
+
+#![allow(
+    clippy::expect_used,
+    reason = "helpers of tests fail by panicking, too"
+)]
+
+mod bits;
+mod ctl;
+mod graph;
+mod ltl;
+mod naive;
+mod random;
+mod words;
