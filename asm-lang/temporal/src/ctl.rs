@@ -1,5 +1,7 @@
 //! Formulas of computation tree logic (CTL).
 
+use crate::formula::{Formula, Polarity};
+
 /// A CTL formula. Only fair paths count for the path quantifiers.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Ctl {
@@ -79,5 +81,59 @@ impl Ctl {
     #[must_use]
     pub fn ax(steps: u32, operand: Self) -> Self {
         Self::Ax(steps, Box::new(operand))
+    }
+}
+
+impl Formula for Ctl {
+    fn constant(value: bool) -> Self {
+        if value { Self::True } else { Self::False }
+    }
+
+    fn as_atom(&self) -> Option<usize> {
+        if let Self::Atom(atom) = self {
+            return Some(*atom);
+        }
+        None
+    }
+
+    fn antecedent(&self) -> Option<&Self> {
+        if let Self::Implies(antecedent, _) = self {
+            return Some(antecedent);
+        }
+        None
+    }
+
+    fn never(self) -> Self {
+        Self::ag(Self::negation(self))
+    }
+
+    fn with_operands(&self, replace: &mut dyn FnMut(&Self, Polarity) -> Self) -> Self {
+        let mut operand = |of: &Self, polarity| Box::new(replace(of, polarity));
+        let (same, opposite) = (Polarity::Positive, Polarity::Negative);
+        match self {
+            Self::True => Self::True,
+            Self::False => Self::False,
+            Self::Atom(atom) => Self::Atom(*atom),
+            Self::Not(of) => Self::Not(operand(of, opposite)),
+            Self::And(parts) => Self::And(parts.iter().map(|it| replace(it, same)).collect()),
+            Self::Or(parts) => Self::Or(parts.iter().map(|it| replace(it, same)).collect()),
+            Self::Implies(left, right) => {
+                Self::Implies(operand(left, opposite), operand(right, same))
+            }
+            Self::Iff(left, right) => Self::Iff(
+                operand(left, Polarity::Mixed),
+                operand(right, Polarity::Mixed),
+            ),
+            Self::Ex(steps, of) => Self::Ex(*steps, operand(of, same)),
+            Self::Ax(steps, of) => Self::Ax(*steps, operand(of, same)),
+            Self::Ef(of) => Self::Ef(operand(of, same)),
+            Self::Af(of) => Self::Af(operand(of, same)),
+            Self::Eg(of) => Self::Eg(operand(of, same)),
+            Self::Ag(of) => Self::Ag(operand(of, same)),
+            Self::Eu(left, right) => Self::Eu(operand(left, same), operand(right, same)),
+            Self::Au(left, right) => Self::Au(operand(left, same), operand(right, same)),
+            Self::Ew(left, right) => Self::Ew(operand(left, same), operand(right, same)),
+            Self::Aw(left, right) => Self::Aw(operand(left, same), operand(right, same)),
+        }
     }
 }

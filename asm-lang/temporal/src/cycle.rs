@@ -1,7 +1,8 @@
 //! Shortest fair cycles.
 
 use crate::bits::Bits;
-use crate::fairness::Fairness;
+use crate::constraint::Constraint;
+use crate::fairness::{Fairness, Recurrent};
 use crate::lasso::{Lasso, PathStep};
 use crate::rows::Rows;
 use crate::search::ShortestPaths;
@@ -13,7 +14,7 @@ const CANDIDATES: usize = 256;
 
 /// Largest number of pairs of a node and satisfied constraints that all searches for shortest cycles visit. Beyond it, cycles
 /// satisfy one constraint after the other, each by the shortest path.
-const EFFORT: usize = 1 << 20;
+const EFFORT: usize = 1 << 18;
 
 /// Returns a lasso with the shortest stem that leads from one of `from` through nodes of `within` into a fair component, and of those
 /// the one with the shortest cycle; both after `finish`.
@@ -22,7 +23,7 @@ pub(crate) fn shortest_lasso(
     from: &[u32],
     within: &Bits,
     components: &FairComponents,
-    fairness: &[Fairness],
+    constraints: &[Constraint<'_>],
     finish: impl Fn(Lasso) -> Lasso,
 ) -> Option<Lasso> {
     let may_pass = |node| within.contains(node as usize);
@@ -30,7 +31,7 @@ pub(crate) fn shortest_lasso(
     let mut search = CycleSearch {
         rows,
         components,
-        fairness,
+        constraints,
         effort: EFFORT,
     };
     let mut best: Option<Lasso> = None;
@@ -54,7 +55,7 @@ pub(crate) fn shortest_lasso(
 struct CycleSearch<'a> {
     rows: &'a Rows,
     components: &'a FairComponents,
-    fairness: &'a [Fairness],
+    constraints: &'a [Constraint<'a>],
     effort: usize,
 }
 
@@ -76,14 +77,14 @@ impl CycleSearch<'_> {
     }
 
     /// The bits of what occurs in a step: one for justice, two for cause and effect of compassion.
-    fn occurring(&self, occurs: impl Fn(&crate::fairness::Recurrent) -> bool) -> u64 {
+    fn occurring(&self, occurs: impl Fn(&Constraint<'_>, &Recurrent) -> bool) -> u64 {
         let mut bits = 0;
-        for (at, constraint) in self.fairness.iter().enumerate() {
-            bits |= match constraint {
-                Fairness::Justice(often) => u64::from(occurs(often)) << (2 * at),
+        for (at, constraint) in self.constraints.iter().enumerate() {
+            bits |= match constraint.fairness {
+                Fairness::Justice(often) => u64::from(occurs(constraint, often)) << (2 * at),
                 Fairness::Compassion(cause, effect) => {
-                    (u64::from(occurs(cause)) << (2 * at + 1))
-                        | (u64::from(occurs(effect)) << (2 * at))
+                    (u64::from(occurs(constraint, cause)) << (2 * at + 1))
+                        | (u64::from(occurs(constraint, effect)) << (2 * at))
                 }
             };
         }
@@ -91,10 +92,10 @@ impl CycleSearch<'_> {
     }
 
     fn is_fair(&self, occurred: u64) -> bool {
-        let mut constraints = self.fairness.iter().enumerate();
+        let mut constraints = self.constraints.iter().enumerate();
         constraints.all(|(at, constraint)| {
             let of = occurred >> (2 * at);
-            match constraint {
+            match constraint.fairness {
                 Fairness::Justice(_) => of & 1 != 0,
                 Fairness::Compassion(_, _) => of & 0b11 != 0b10,
             }
@@ -103,10 +104,10 @@ impl CycleSearch<'_> {
 
     /// Breadth-first search over nodes and what has occurred.
     fn shortest(&mut self, start: u32, region: u32) -> Option<Vec<PathStep>> {
-        if self.fairness.len() > 32 {
+        if self.constraints.len() > 32 {
             return None;
         }
-        let occurred = self.occurring(|it| it.contains_node(start));
+        let occurred = self.occurring(|of, it| of.contains_node(it, start));
         let mut seen = FxHashSet::default();
         let mut queue = vec![Reached {
             node: start,
@@ -120,8 +121,8 @@ impl CycleSearch<'_> {
                 if !self.components.is_inside(region, edge, target) {
                     continue;
                 }
-                let of_step =
-                    self.occurring(|it| it.contains_edge(edge) || it.contains_node(target));
+                let of_step = self
+                    .occurring(|of, it| of.contains_edge(it, edge) || of.contains_node(it, target));
                 let reached = Reached {
                     node: target,
                     occurred: occurred | of_step,
@@ -148,21 +149,23 @@ impl CycleSearch<'_> {
     /// Satisfies the nearest unsatisfied constraint by the shortest path, until none is left, and returns to the start.
     fn stepwise(&self, start: u32, region: u32) -> Option<Vec<PathStep>> {
         let is_inside = |edge, target| self.components.is_inside(region, edge, target);
-        let mut missing: Vec<_> = self.fairness.iter().map(goal).collect();
-        missing.retain(|it| !it.contains_node(start));
+        let goals = self.constraints.iter().map(|it| (it, goal(it.fairness)));
+        let mut missing: Vec<_> = goals
+            .filter(|(of, it)| !of.contains_node(it, start))
+            .collect();
         let (mut node, mut cycle) = (start, Vec::new());
         while !missing.is_empty() {
             let occurs = |edge, target| {
                 let mut missing = missing.iter();
-                missing.any(|it| it.contains_edge(edge) || it.contains_node(target))
+                missing.any(|(of, it)| of.contains_edge(it, edge) || of.contains_node(it, target))
             };
             // the rest are effects that the component lacks: it lacks the causes, too
             let Some(steps) = ShortestPaths::to_step(self.rows, node, is_inside, occurs) else {
                 break;
             };
             for step in &steps {
-                missing.retain(|it| {
-                    !it.contains_edge(step.edge as usize) && !it.contains_node(step.node)
+                missing.retain(|(of, it)| {
+                    !of.contains_edge(it, step.edge as usize) && !of.contains_node(it, step.node)
                 });
                 node = step.node;
             }
@@ -177,8 +180,8 @@ impl CycleSearch<'_> {
     }
 }
 
-fn goal(constraint: &Fairness) -> &crate::fairness::Recurrent {
-    match constraint {
+fn goal(fairness: &Fairness) -> &Recurrent {
+    match fairness {
         Fairness::Justice(often) => often,
         Fairness::Compassion(_, effect) => effect,
     }

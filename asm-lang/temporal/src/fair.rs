@@ -1,6 +1,7 @@
 //! Nodes from which fair paths start.
 
 use crate::bits::Bits;
+use crate::constraint::Constraint;
 use crate::fairness::Fairness;
 use crate::graph::Graph;
 use crate::streett::fair_components;
@@ -17,7 +18,7 @@ impl FairNodes {
         // in a total relation every node starts a path
         let nodes = (!fairness.is_empty()).then(|| {
             let all = Bits::full(graph.node_count());
-            let components = fair_components(graph.rows(), &all, fairness);
+            let components = fair_components(graph.rows(), &all, &Constraint::all(fairness));
             backwards(graph, &all, components.members)
         });
         Self { nodes }

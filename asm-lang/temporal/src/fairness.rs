@@ -66,23 +66,6 @@ impl Recurrent {
         edges.is_some_and(|it| it.contains(edge))
     }
 
-    /// Returns the same occurrences in a graph whose nodes and edges correspond to the given ones.
-    pub(crate) fn lifted(&self, nodes: &[u32], edges: &[u32]) -> Self {
-        let lift = |bits: &Option<Bits>, origins: &[u32]| {
-            let bits = bits.as_ref()?;
-            let contains = |at: usize| {
-                origins
-                    .get(at)
-                    .is_some_and(|it| bits.contains(*it as usize))
-            };
-            Some(Bits::from_fn(origins.len(), contains))
-        };
-        Self {
-            nodes: lift(&self.nodes, nodes),
-            edges: lift(&self.edges, edges),
-        }
-    }
-
     fn validate(&self, rows: &Rows) -> Result<(), TemporalError> {
         let sets = [
             ("nodes", &self.nodes, rows.node_count()),
@@ -103,16 +86,6 @@ impl Recurrent {
 }
 
 impl Fairness {
-    /// Returns the same constraint for a graph whose nodes and edges correspond to the given ones.
-    pub(crate) fn lifted(&self, nodes: &[u32], edges: &[u32]) -> Self {
-        match self {
-            Self::Justice(often) => Self::Justice(often.lifted(nodes, edges)),
-            Self::Compassion(cause, effect) => {
-                Self::Compassion(cause.lifted(nodes, edges), effect.lifted(nodes, edges))
-            }
-        }
-    }
-
     pub(crate) fn validate(&self, rows: &Rows) -> Result<(), TemporalError> {
         match self {
             Self::Justice(often) => often.validate(rows),

@@ -1,6 +1,7 @@
 //! Operators of CTL on sets of nodes.
 
 use crate::bits::Bits;
+use crate::constraint::Constraint;
 use crate::fair::{FairNodes, backwards};
 use crate::fairness::Fairness;
 use crate::graph::Graph;
@@ -59,7 +60,7 @@ impl<'a> Fixpoints<'a> {
 
     /// The fair components among the nodes of a set.
     pub(crate) fn components(&self, set: &Bits) -> FairComponents {
-        fair_components(self.graph.rows(), set, self.fairness)
+        fair_components(self.graph.rows(), set, &Constraint::all(self.fairness))
     }
 
     /// The elements from which fair paths start.

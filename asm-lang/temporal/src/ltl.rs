@@ -1,5 +1,7 @@
 //! Formulas of linear temporal logic (LTL) with past operators.
 
+use crate::formula::{Formula, Polarity};
+
 /// An LTL formula, which holds or not at a position of an infinite path.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Ltl {
@@ -71,4 +73,64 @@ constructors! {
     unary: negation Not, next Next, finally Finally, globally Globally, yesterday Yesterday, weak_yesterday WeakYesterday,
         once Once, historically Historically;
     binary: implies Implies, iff Iff, until Until, release Release, weak_until WeakUntil, since Since, triggered Triggered
+}
+
+impl Formula for Ltl {
+    fn constant(value: bool) -> Self {
+        if value { Self::True } else { Self::False }
+    }
+
+    fn as_atom(&self) -> Option<usize> {
+        if let Self::Atom(atom) = self {
+            return Some(*atom);
+        }
+        None
+    }
+
+    fn antecedent(&self) -> Option<&Self> {
+        if let Self::Implies(antecedent, _) = self {
+            return Some(antecedent);
+        }
+        None
+    }
+
+    fn never(self) -> Self {
+        Self::globally(Self::negation(self))
+    }
+
+    fn with_operands(&self, replace: &mut dyn FnMut(&Self, Polarity) -> Self) -> Self {
+        let mut operand = |of: &Self, polarity| Box::new(replace(of, polarity));
+        let (same, opposite) = (Polarity::Positive, Polarity::Negative);
+        match self {
+            Self::True => Self::True,
+            Self::False => Self::False,
+            Self::Atom(atom) => Self::Atom(*atom),
+            Self::Not(of) => Self::Not(operand(of, opposite)),
+            Self::And(parts) => Self::And(parts.iter().map(|it| replace(it, same)).collect()),
+            Self::Or(parts) => Self::Or(parts.iter().map(|it| replace(it, same)).collect()),
+            Self::Implies(left, right) => {
+                Self::Implies(operand(left, opposite), operand(right, same))
+            }
+            Self::Iff(left, right) => Self::Iff(
+                operand(left, Polarity::Mixed),
+                operand(right, Polarity::Mixed),
+            ),
+            Self::Next(of) => Self::Next(operand(of, same)),
+            Self::Finally(of) => Self::Finally(operand(of, same)),
+            Self::Globally(of) => Self::Globally(operand(of, same)),
+            Self::Yesterday(of) => Self::Yesterday(operand(of, same)),
+            Self::WeakYesterday(of) => Self::WeakYesterday(operand(of, same)),
+            Self::Once(of) => Self::Once(operand(of, same)),
+            Self::Historically(of) => Self::Historically(operand(of, same)),
+            Self::Until(left, right) => Self::Until(operand(left, same), operand(right, same)),
+            Self::Release(left, right) => Self::Release(operand(left, same), operand(right, same)),
+            Self::WeakUntil(left, right) => {
+                Self::WeakUntil(operand(left, same), operand(right, same))
+            }
+            Self::Since(left, right) => Self::Since(operand(left, same), operand(right, same)),
+            Self::Triggered(left, right) => {
+                Self::Triggered(operand(left, same), operand(right, same))
+            }
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::automaton::Automaton;
 use crate::bits::Bits;
+use crate::constraint::Constraint;
 use crate::cycle::shortest_lasso;
 use crate::error::TemporalError;
 use crate::fair::FairNodes;
@@ -12,10 +13,9 @@ use crate::letters::Letters;
 use crate::ltl::Ltl;
 use crate::rows::Rows;
 use crate::search::ShortestPaths;
-use crate::streett::fair_components;
+use crate::streett::{FairComponents, fair_components};
 use crate::validate::validate;
 use crate::verdict::TemporalVerdict;
-use rustc_hash::FxHashMap;
 
 /// Checks whether an LTL formula holds on all fair paths from initial nodes.
 ///
@@ -31,10 +31,7 @@ pub fn check_ltl(
     formula: &Ltl,
     fairness: &[Fairness],
 ) -> Result<TemporalVerdict, TemporalError> {
-    validate(graph, atoms, fairness)?;
-    let mut automaton = Automaton::of_negation(formula, atoms.len())?;
-    let fair = FairNodes::of(graph, fairness);
-    let product = Product::new(graph, atoms, &mut automaton, &fair)?;
+    let (product, fair) = Product::of(graph, atoms, formula, fairness)?;
     let violation = match product.decided {
         Some(node) => Some(product.path_to(node)),
         None => product.lasso(fairness),
@@ -43,6 +40,22 @@ pub fn check_ltl(
         violation,
         fair: fair.paths(graph),
     })
+}
+
+/// Returns whether [`check_ltl`] finds no violation.
+pub(crate) fn holds_ltl(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ltl,
+    fairness: &[Fairness],
+) -> Result<bool, TemporalError> {
+    let (product, _) = Product::of(graph, atoms, formula, fairness)?;
+    if product.decided.is_some() {
+        return Ok(false);
+    }
+    let untils = product.untils();
+    let components = product.components(&product.constraints(&untils, fairness));
+    Ok(components.members.is_empty())
 }
 
 /// The part of the product that is reachable along fair nodes.
@@ -72,28 +85,62 @@ struct ProductBuilder<'a> {
     product: Product,
 }
 
+/// Number of nodes whose pairs with one state are stored together.
+const BLOCK: usize = 64;
+
 /// Pairs of a node of the graph and a state of the automaton, in the order in which they were found.
-#[derive(Default)]
 struct Pairs {
-    ids: FxHashMap<(u32, u32), u32>,
+    /// For each state, and each block of nodes of which one has been found, the numbers of the pairs; `u32::MAX` for none.
+    ids: Vec<Vec<Option<Box<[u32; BLOCK]>>>>,
+    /// Number of blocks of nodes.
+    blocks: usize,
     nodes: Vec<u32>,
     states: Vec<u32>,
 }
 
 impl Pairs {
+    fn new(node_count: usize) -> Self {
+        Self {
+            ids: Vec::new(),
+            blocks: node_count.div_ceil(BLOCK),
+            nodes: Vec::new(),
+            states: Vec::new(),
+        }
+    }
+
     #[inline]
     fn id(&mut self, node: u32, state: u32) -> u32 {
-        let next = self.nodes.len() as u32;
-        let id = *self.ids.entry((node, state)).or_insert(next);
-        if id == next {
+        while self.ids.len() <= state as usize {
+            let blocks = std::iter::repeat_with(|| None).take(self.blocks);
+            self.ids.push(blocks.collect());
+        }
+        let block = &mut self.ids[state as usize][node as usize / BLOCK];
+        let block = block.get_or_insert_with(|| Box::new([u32::MAX; BLOCK]));
+        let id = &mut block[node as usize % BLOCK];
+        if *id == u32::MAX {
+            *id = self.nodes.len() as u32;
             self.nodes.push(node);
             self.states.push(state);
         }
-        id
+        *id
     }
 }
 
 impl Product {
+    /// Returns the product with the automaton of the negated formula, and the fair nodes of the graph.
+    fn of(
+        graph: &Graph,
+        atoms: &[Bits],
+        formula: &Ltl,
+        fairness: &[Fairness],
+    ) -> Result<(Self, FairNodes), TemporalError> {
+        validate(graph, atoms, fairness)?;
+        let mut automaton = Automaton::of_negation(formula, atoms.len())?;
+        let fair = FairNodes::of(graph, fairness);
+        let product = Self::new(graph, atoms, &mut automaton, &fair)?;
+        Ok((product, fair))
+    }
+
     fn new(
         graph: &Graph,
         atoms: &[Bits],
@@ -111,7 +158,7 @@ impl Product {
             fair,
             letters: Letters::new(graph.node_count(), &used),
             automaton,
-            pairs: Pairs::default(),
+            pairs: Pairs::new(graph.node_count()),
             postponing: Vec::new(),
             product: Self {
                 rows: Rows::new(),
@@ -137,23 +184,43 @@ impl Product {
         })
     }
 
-    /// Returns a shortest lasso that satisfies fairness and postpones nothing for ever.
-    fn lasso(&self, fairness: &[Fairness]) -> Option<Lasso> {
-        let lifted = fairness
-            .iter()
-            .map(|it| it.lifted(&self.nodes, &self.edges));
+    /// Returns, for each obligation, that it is not postponed for ever.
+    fn untils(&self) -> Vec<Fairness> {
         let postponing = self.postponing.iter().cloned();
         let kept = postponing.map(|it| Fairness::Justice(Recurrent::edges(it.complemented())));
-        let fairness: Vec<Fairness> = lifted.chain(kept).collect();
-        let all = Bits::full(self.nodes.len());
-        let components = fair_components(&self.rows, &all, &fairness);
+        kept.collect()
+    }
+
+    /// Returns the constraints on the product: those of the automaton, and fairness.
+    fn constraints<'a>(
+        &'a self,
+        untils: &'a [Fairness],
+        fairness: &'a [Fairness],
+    ) -> Vec<Constraint<'a>> {
+        let mut constraints = Constraint::all(untils);
+        constraints.extend(fairness.iter().map(|fairness| Constraint {
+            fairness,
+            origins: Some((&self.nodes, &self.edges)),
+        }));
+        constraints
+    }
+
+    fn components(&self, constraints: &[Constraint<'_>]) -> FairComponents {
+        fair_components(&self.rows, &Bits::full(self.nodes.len()), constraints)
+    }
+
+    /// Returns a shortest lasso that satisfies fairness and postpones nothing for ever.
+    fn lasso(&self, fairness: &[Fairness]) -> Option<Lasso> {
+        let untils = self.untils();
+        let constraints = self.constraints(&untils, fairness);
+        let components = self.components(&constraints);
         let finish = |lasso| self.projected(lasso).folded();
         shortest_lasso(
             &self.rows,
             &self.initial,
-            &all,
+            &Bits::full(self.nodes.len()),
             &components,
-            &fairness,
+            &constraints,
             finish,
         )
     }

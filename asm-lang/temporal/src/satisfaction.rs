@@ -1,6 +1,7 @@
 //! Checks CTL formulas: the nodes that satisfy each sub-formula, and paths that show why.
 
 use crate::bits::Bits;
+use crate::constraint::Constraint;
 use crate::ctl::Ctl;
 use crate::ctl_terms::{CtlId, CtlTerm, CtlTerms};
 use crate::cycle::shortest_lasso;
@@ -45,6 +46,17 @@ pub fn witness_ctl(
     fairness: &[Fairness],
 ) -> Result<Option<Lasso>, TemporalError> {
     Ok(Satisfaction::of(graph, atoms, formula, true, fairness)?.witness())
+}
+
+/// Returns whether [`check_ctl`] finds no violation.
+pub(crate) fn holds_ctl(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ctl,
+    fairness: &[Fairness],
+) -> Result<bool, TemporalError> {
+    let negation = Satisfaction::of(graph, atoms, formula, false, fairness)?;
+    Ok(negation.initial().is_empty())
 }
 
 /// The nodes that satisfy each sub-formula.
@@ -150,14 +162,17 @@ impl<'a> Satisfaction<'a> {
         self.on.until(&not_yet, &neither)
     }
 
+    /// Returns the fair initial nodes in which the formula holds.
+    fn initial(&self) -> Vec<u32> {
+        let set = &self.sets[self.root];
+        let mut initial = self.on.fair.initial(self.on.graph);
+        initial.retain(|node| set.contains(*node as usize));
+        initial
+    }
+
     /// Returns a path that shows why the formula holds in a fair initial node.
     fn witness(&self) -> Option<Lasso> {
-        let set = &self.sets[self.root];
-        let initial = self.on.fair.initial(self.on.graph);
-        let from: Vec<u32> = initial
-            .into_iter()
-            .filter(|node| set.contains(*node as usize))
-            .collect();
+        let from = self.initial();
         let lasso = Lasso {
             start: *from.first()?,
             stem: Vec::new(),
@@ -239,8 +254,8 @@ impl<'a> Satisfaction<'a> {
         let within = &self.sets[of];
         let components = self.on.components(within);
         let rows = self.on.graph.rows();
-        let fairness = self.on.fairness;
-        let found = shortest_lasso(rows, from, within, &components, fairness, Lasso::folded);
+        let constraints = Constraint::all(self.on.fairness);
+        let found = shortest_lasso(rows, from, within, &components, &constraints, Lasso::folded);
         if let Some(found) = found {
             if lasso.stem.is_empty() {
                 lasso.start = found.start;

@@ -1,6 +1,7 @@
 //! Fair components: the parts of a graph around which a fair path can run for ever.
 
 use crate::bits::Bits;
+use crate::constraint::Constraint;
 use crate::fairness::{Fairness, Recurrent};
 use crate::rows::Rows;
 use crate::scc::ComponentSearch;
@@ -44,17 +45,25 @@ impl FairComponents {
     }
 
     /// Returns whether something occurs in a component, whose nodes have been assigned to `region`.
-    fn occurs(&self, rows: &Rows, nodes: &[u32], region: u32, recurrent: &Recurrent) -> bool {
-        if nodes.iter().any(|node| recurrent.contains_node(*node)) {
+    fn occurs(
+        &self,
+        rows: &Rows,
+        nodes: &[u32],
+        region: u32,
+        constraint: &Constraint<'_>,
+        recurrent: &Recurrent,
+    ) -> bool {
+        let mut visited = nodes.iter();
+        if visited.any(|node| constraint.contains_node(recurrent, *node)) {
             return true;
         }
-        let Some(marked) = &recurrent.edges else {
+        if recurrent.edges.is_none() {
             return false;
-        };
+        }
         nodes.iter().any(|node| {
             let mut edges = rows.edges(*node).zip(rows.targets(*node));
             edges.any(|(edge, target)| {
-                marked.contains(edge) && self.is_inside(region, edge, *target)
+                constraint.contains_edge(recurrent, edge) && self.is_inside(region, edge, *target)
             })
         })
     }
@@ -64,10 +73,14 @@ impl FairComponents {
 ///
 /// A component that lacks what justice requires is dropped. One that lacks the effect of compassion loses the causes and is
 /// decomposed again (Emerson and Lei's algorithm for Streett conditions).
-pub(crate) fn fair_components(rows: &Rows, within: &Bits, fairness: &[Fairness]) -> FairComponents {
-    let has_compassion = fairness
+pub(crate) fn fair_components(
+    rows: &Rows,
+    within: &Bits,
+    constraints: &[Constraint<'_>],
+) -> FairComponents {
+    let has_compassion = constraints
         .iter()
-        .any(|it| matches!(it, Fairness::Compassion(_, _)));
+        .any(|it| matches!(it.fairness, Fairness::Compassion(_, _)));
     let mut found = FairComponents {
         regions: vec![0; rows.node_count()],
         excluded: has_compassion.then(|| Bits::new(rows.edge_count())),
@@ -89,7 +102,7 @@ pub(crate) fn fair_components(rows: &Rows, within: &Bits, fairness: &[Fairness])
             }
             regions += 1;
             assign(&mut found, nodes, regions);
-            match judge(&mut found, rows, nodes, regions, fairness) {
+            match judge(&mut found, rows, nodes, regions, constraints) {
                 Judgement::Fair => {
                     for node in nodes {
                         found.members.insert(*node as usize);
@@ -121,21 +134,20 @@ fn judge(
     rows: &Rows,
     nodes: &[u32],
     region: u32,
-    fairness: &[Fairness],
+    constraints: &[Constraint<'_>],
 ) -> Judgement {
     let mut avoided = Vec::new();
-    for constraint in fairness {
-        match constraint {
+    for constraint in constraints {
+        let occurs = |it| found.occurs(rows, nodes, region, constraint, it);
+        match constraint.fairness {
             Fairness::Justice(often) => {
-                if !found.occurs(rows, nodes, region, often) {
+                if !occurs(often) {
                     return Judgement::Unfair;
                 }
             }
             Fairness::Compassion(cause, effect) => {
-                if !found.occurs(rows, nodes, region, effect)
-                    && found.occurs(rows, nodes, region, cause)
-                {
-                    avoided.push(cause);
+                if !occurs(effect) && occurs(cause) {
+                    avoided.push((constraint, cause));
                 }
             }
         }
@@ -144,11 +156,11 @@ fn judge(
         return Judgement::Fair;
     }
     let mut kept = nodes.to_vec();
-    for cause in avoided {
-        kept.retain(|node| !cause.contains_node(*node));
-        if let (Some(excluded), Some(edges)) = (&mut found.excluded, &cause.edges) {
+    for (constraint, cause) in avoided {
+        kept.retain(|node| !constraint.contains_node(cause, *node));
+        if let Some(excluded) = &mut found.excluded {
             let all = nodes.iter().flat_map(|node| rows.edges(*node));
-            for edge in all.filter(|edge| edges.contains(*edge)) {
+            for edge in all.filter(|edge| constraint.contains_edge(cause, *edge)) {
                 excluded.insert(edge);
             }
         }

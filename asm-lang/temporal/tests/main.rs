@@ -10,5 +10,7 @@ mod ctl;
 mod graph;
 mod ltl;
 mod naive;
+mod nusmv;
 mod random;
+mod vacuity;
 mod words;

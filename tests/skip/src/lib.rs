@@ -2,6 +2,9 @@
 //! of tests that pass, and fails where the environment variable `CI` is set.
 
 mod compiler;
+mod nusmv;
+
+pub use nusmv::Nusmv;
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -51,6 +54,13 @@ pub const BROKER: Requirement<'_> = Requirement {
     name: "broker",
     tests: "the tests on a real broker",
     remedy: "Install the package `rabbitmq-server`, or run `./test`",
+};
+
+/// NuSMV, another model checker.
+pub const NUSMV: Requirement<'_> = Requirement {
+    name: "nusmv",
+    tests: "the comparisons with NuSMV",
+    remedy: "Put `NuSMV` on the path, or run `./test` on Linux for x86-64",
 };
 
 /// The specifications of the ASMETA project.
@@ -107,6 +117,18 @@ pub fn has_compiler() -> bool {
 /// The source does not compile without warnings. See also [`Requirement::skip`].
 pub fn compile(source: &str) -> Option<PathBuf> {
     has_compiler().then(|| compiler::compile(source))
+}
+
+/// Returns NuSMV; `None`, with a notice, if it is not installed.
+///
+/// # Panics
+/// See [`Requirement::skip`].
+pub fn nusmv() -> Option<Nusmv> {
+    let found = Nusmv::find();
+    if found.is_none() {
+        NUSMV.skip();
+    }
+    found
 }
 
 /// Returns the folder of ASMETA's specifications, which `ASMETA_CORPUS` names; `None`, with a notice, if it is not set.

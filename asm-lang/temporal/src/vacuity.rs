@@ -1,0 +1,121 @@
+//! Parts of a formula that do not matter for its truth.
+
+use crate::bits::Bits;
+use crate::ctl::Ctl;
+use crate::error::TemporalError;
+use crate::fairness::Fairness;
+use crate::formula::{Formula, Polarity};
+use crate::graph::Graph;
+use crate::ltl::Ltl;
+use crate::product::holds_ltl;
+use crate::satisfaction::holds_ctl;
+
+/// An occurrence of an atom in a formula.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtomOccurrence {
+    /// The index of the atom.
+    pub atom: usize,
+    /// The number of the occurrence among those of all atoms, from left to right.
+    pub occurrence: usize,
+}
+
+/// Parts of a formula that holds, although they could be anything.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Vacuity {
+    /// Atoms, each of which could be replaced by any other formula, and the formula would hold.
+    pub irrelevant: Vec<AtomOccurrence>,
+    /// Implications whose antecedent is never true on a fair path: their numbers among all implications, from left to right, an outer
+    /// one before those in its operands.
+    pub unmet: Vec<usize>,
+}
+
+/// Returns what does not matter for a CTL formula; nothing if the formula is violated.
+///
+/// An atom does not matter if the formula holds with this occurrence replaced by the constant that makes it strongest (Beer, Ben-David,
+/// Eisner and Rodeh, "Efficient detection of vacuity in temporal model checking", 2001), or below `iff` with each of both constants.
+///
+/// # Errors
+/// The same as of [`check_ctl`](crate::check_ctl).
+pub fn vacuity_ctl(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ctl,
+    fairness: &[Fairness],
+) -> Result<Vacuity, TemporalError> {
+    vacuity(formula, |it| holds_ctl(graph, atoms, it, fairness))
+}
+
+/// Returns what does not matter for an LTL formula; nothing if the formula is violated. See [`vacuity_ctl`].
+///
+/// # Errors
+/// The same as of [`check_ltl`](crate::check_ltl).
+pub fn vacuity_ltl(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ltl,
+    fairness: &[Fairness],
+) -> Result<Vacuity, TemporalError> {
+    vacuity(formula, |it| holds_ltl(graph, atoms, it, fairness))
+}
+
+fn vacuity<F: Formula>(
+    formula: &F,
+    holds: impl Fn(&F) -> Result<bool, TemporalError>,
+) -> Result<Vacuity, TemporalError> {
+    let mut found = Vacuity::default();
+    if !holds(formula)? {
+        return Ok(found);
+    }
+    let mut occurrences = Vec::new();
+    let mut antecedents = Vec::new();
+    copy(formula, Polarity::Positive, &mut |it, polarity| {
+        occurrences.extend(it.as_atom().map(|atom| (atom, polarity)));
+        antecedents.extend(it.antecedent().map(|it| whole(it).never()));
+        None
+    });
+    for (occurrence, (atom, polarity)) in occurrences.into_iter().enumerate() {
+        let strongest: &[bool] = match polarity {
+            Polarity::Positive => &[false],
+            Polarity::Negative => &[true],
+            Polarity::Mixed => &[false, true],
+        };
+        let mut matters = false;
+        for value in strongest {
+            matters = matters || !holds(&replaced(formula, occurrence, *value))?;
+        }
+        if !matters {
+            found.irrelevant.push(AtomOccurrence { atom, occurrence });
+        }
+    }
+    for (at, never) in antecedents.iter().enumerate() {
+        if holds(never)? {
+            found.unmet.push(at);
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the formula with one occurrence of an atom replaced by a constant.
+fn replaced<F: Formula>(formula: &F, occurrence: usize, value: bool) -> F {
+    let mut at = 0;
+    copy(formula, Polarity::Positive, &mut |it, _| {
+        it.as_atom()?;
+        at += 1;
+        (at == occurrence + 1).then(|| F::constant(value))
+    })
+}
+
+fn whole<F: Formula>(formula: &F) -> F {
+    copy(formula, Polarity::Positive, &mut |_, _| None)
+}
+
+/// Copies a formula, with the sub-formulas replaced for which `replace` returns others. Visits a formula before its operands.
+fn copy<F: Formula>(
+    formula: &F,
+    polarity: Polarity,
+    replace: &mut dyn FnMut(&F, Polarity) -> Option<F>,
+) -> F {
+    replace(formula, polarity).unwrap_or_else(|| {
+        formula.with_operands(&mut |operand, inner| copy(operand, polarity.of(inner), replace))
+    })
+}
