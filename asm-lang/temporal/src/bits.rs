@@ -48,6 +48,14 @@ impl Bits {
         bits
     }
 
+    /// Returns the set of numbers below `size` whose bits are set in `words`; missing words are 0.
+    pub(crate) fn from_words(size: usize, mut words: Vec<u64>) -> Self {
+        words.resize(size.div_ceil(64), 0);
+        let mut bits = Self { words, size };
+        bits.clear_tail();
+        bits
+    }
+
     /// Returns the bound of the numbers; [`Self::count`] is the number of elements.
     pub fn size(&self) -> usize {
         self.size

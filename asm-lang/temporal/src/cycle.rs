@@ -16,40 +16,87 @@ const CANDIDATES: usize = 256;
 /// satisfy one constraint after the other, each by the shortest path.
 const EFFORT: usize = 1 << 18;
 
-/// Returns a lasso with the shortest stem that leads from one of `from` through nodes of `within` into a fair component, and of those
-/// the one with the shortest cycle; both after `finish`.
-pub(crate) fn shortest_lasso(
-    rows: &Rows,
-    from: &[u32],
-    within: &Bits,
-    components: &FairComponents,
-    constraints: &[Constraint<'_>],
-    finish: impl Fn(Lasso) -> Lasso,
-) -> Option<Lasso> {
-    let may_pass = |node| within.contains(node as usize);
-    let (paths, ends) = ShortestPaths::to_nearest(rows, from, &components.members, may_pass);
-    let mut search = CycleSearch {
-        rows,
-        components,
-        constraints,
-        effort: EFFORT,
-    };
-    let mut best: Option<Lasso> = None;
-    for end in ends.into_iter().take(CANDIDATES) {
-        if best.is_some() && search.effort == 0 {
-            break;
-        }
-        let (start, stem) = paths.path_to(end);
-        let Some(cycle) = search.cycle(end) else {
-            continue;
+/// Number of candidates for which a second cycle is looked for.
+const RETURNS: usize = 16;
+
+/// A graph, or a product whose nodes and edges correspond to those of a graph, in which lassos are looked for.
+pub(crate) struct LassoSearch<'a> {
+    pub(crate) rows: &'a Rows,
+    /// Where lassos start.
+    pub(crate) from: &'a [u32],
+    /// What they consist of.
+    pub(crate) within: &'a Bits,
+    pub(crate) origins: Option<(&'a [u32], &'a [u32])>,
+    pub(crate) components: &'a FairComponents,
+    pub(crate) constraints: &'a [Constraint<'a>],
+}
+
+impl LassoSearch<'_> {
+    /// Returns a lasso with the shortest stem into a fair component, and of those the one with the shortest cycle.
+    pub(crate) fn shortest(&self) -> Option<Lasso> {
+        let may_pass = |node| self.within.contains(node as usize);
+        let goal = &self.components.members;
+        let (paths, arrivals) = ShortestPaths::to_nearest(self.rows, self.from, goal, may_pass);
+        let mut cycles = CycleSearch {
+            rows: self.rows,
+            components: self.components,
+            constraints: self.constraints,
+            effort: EFFORT,
         };
-        let lasso = finish(Lasso { start, stem, cycle });
-        let size = |it: &Lasso| (it.stem.len(), it.cycle.len());
-        if best.as_ref().is_none_or(|best| size(&lasso) < size(best)) {
-            best = Some(lasso);
+        let mut best: Option<Lasso> = None;
+        for (at, arrival) in arrivals.into_iter().take(CANDIDATES).enumerate() {
+            if best.is_some() && cycles.effort == 0 {
+                break;
+            }
+            let (start, stem) = paths.to_arrival(arrival);
+            let again = stem.last().filter(|_| at < RETURNS).copied();
+            let again = again.and_then(|last| self.repeating(&mut cycles, last));
+            for cycle in [cycles.cycle(arrival.node), again].into_iter().flatten() {
+                let stem = stem.clone();
+                let lasso = self.described(Lasso { start, stem, cycle });
+                let size = |it: &Lasso| (it.stem.len(), it.cycle.len());
+                if best.as_ref().is_none_or(|best| size(&lasso) < size(best)) {
+                    best = Some(lasso);
+                }
+            }
         }
+        best
     }
-    best
+
+    fn described(&self, lasso: Lasso) -> Lasso {
+        let lasso = match self.origins {
+            Some(origins) => lasso.projected(origins),
+            None => lasso,
+        };
+        lasso.folded()
+    }
+
+    /// Returns a cycle that ends with the last step of the stem, up to the state of the automaton, which thereby becomes a part of the
+    /// cycle: an automaton needs a step to enter a component where the path is in its cycle already.
+    fn repeating(&self, cycles: &mut CycleSearch<'_>, last: PathStep) -> Option<Vec<PathStep>> {
+        let (nodes, edges) = self.origins?;
+        let region = self.components.region(last.node)?;
+        let origin = edges[last.edge as usize];
+        let source = nodes[self.rows.source(last.edge as usize)? as usize];
+        let mut closing = Vec::new();
+        let sources = nodes.iter().enumerate().filter(|(_, it)| **it == source);
+        for (node, _) in sources {
+            let node = node as u32;
+            if self.components.region(node) != Some(region) {
+                continue;
+            }
+            let steps = self.rows.edges(node).zip(self.rows.targets(node));
+            closing.extend(steps.filter_map(|(edge, target)| {
+                let is_same = *target == last.node && edges[edge] == origin;
+                let is_inside = self.components.is_inside(region, edge, *target);
+                (is_same && is_inside).then_some(edge)
+            }));
+        }
+        if closing.is_empty() {
+            return None;
+        }
+        cycles.shortest(last.node, region, |edge| closing.contains(&edge))
+    }
 }
 
 struct CycleSearch<'a> {
@@ -72,7 +119,7 @@ impl CycleSearch<'_> {
     /// Returns a fair cycle through a node of a fair component.
     fn cycle(&mut self, start: u32) -> Option<Vec<PathStep>> {
         let region = self.components.region(start)?;
-        self.shortest(start, region)
+        self.shortest(start, region, |_| true)
             .or_else(|| self.stepwise(start, region))
     }
 
@@ -102,8 +149,13 @@ impl CycleSearch<'_> {
         })
     }
 
-    /// Breadth-first search over nodes and what has occurred.
-    fn shortest(&mut self, start: u32, region: u32) -> Option<Vec<PathStep>> {
+    /// Breadth-first search over nodes and what has occurred, for a cycle whose last edge satisfies `may_close`.
+    fn shortest(
+        &mut self,
+        start: u32,
+        region: u32,
+        may_close: impl Fn(usize) -> bool,
+    ) -> Option<Vec<PathStep>> {
         if self.constraints.len() > 32 {
             return None;
         }
@@ -129,7 +181,7 @@ impl CycleSearch<'_> {
                     parent: at,
                     edge: edge as u32,
                 };
-                if target == start && self.is_fair(reached.occurred) {
+                if target == start && self.is_fair(reached.occurred) && may_close(edge) {
                     self.effort = self.effort.saturating_sub(queue.len());
                     return Some(path(&queue, reached));
                 }

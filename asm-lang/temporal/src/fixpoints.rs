@@ -32,15 +32,24 @@ impl<'a> Fixpoints<'a> {
         })
     }
 
-    /// `EX` repeated.
+    /// `EX` repeated. The sets come back to an earlier one at last; from then on only the rest of the division by the period counts
+    /// (Brent's algorithm: the set to compare with is replaced after 1, 2, 4, … steps).
     pub(crate) fn after(&self, steps: u32, set: &Bits) -> Bits {
         let mut result = set.clone();
-        for _ in 0..steps {
-            let next = self.next(&result);
-            if next == result {
-                break;
+        let mut earlier = set.clone();
+        let (mut rest, mut distance, mut patience) = (steps, 0, 1);
+        while rest > 0 {
+            result = self.next(&result);
+            rest -= 1;
+            distance += 1;
+            if result == earlier {
+                rest %= distance;
             }
-            result = next;
+            if distance == patience {
+                earlier.clone_from(&result);
+                distance = 0;
+                patience *= 2;
+            }
         }
         result
     }

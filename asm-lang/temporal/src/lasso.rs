@@ -52,6 +52,19 @@ impl Lasso {
         self
     }
 
+    /// Returns the path of the graph to which nodes and edges correspond.
+    pub(crate) fn projected(self, (nodes, edges): (&[u32], &[u32])) -> Self {
+        let step = |step: PathStep| PathStep {
+            edge: edges[step.edge as usize],
+            node: nodes[step.node as usize],
+        };
+        Self {
+            start: nodes[self.start as usize],
+            stem: self.stem.into_iter().map(step).collect(),
+            cycle: self.cycle.into_iter().map(step).collect(),
+        }
+    }
+
     /// Appends a path that starts where the stem ends.
     pub(crate) fn continued(&mut self, path: Vec<PathStep>) {
         self.stem.extend(path);

@@ -3,12 +3,12 @@
 use crate::automaton::Automaton;
 use crate::bits::Bits;
 use crate::constraint::Constraint;
-use crate::cycle::shortest_lasso;
+use crate::cycle::LassoSearch;
 use crate::error::TemporalError;
 use crate::fair::FairNodes;
 use crate::fairness::{Fairness, Recurrent};
 use crate::graph::Graph;
-use crate::lasso::{Lasso, PathStep};
+use crate::lasso::Lasso;
 use crate::letters::Letters;
 use crate::ltl::Ltl;
 use crate::rows::Rows;
@@ -80,8 +80,8 @@ struct ProductBuilder<'a> {
     fair: &'a FairNodes,
     letters: Letters,
     pairs: Pairs,
-    /// Edges that postpone obligations, and which.
-    postponing: Vec<(u32, u32)>,
+    /// For each obligation, the bits of the edges that postpone it, up to the last such edge.
+    postponing: Vec<Vec<u64>>,
     product: Product,
 }
 
@@ -157,9 +157,9 @@ impl Product {
             atoms,
             fair,
             letters: Letters::new(graph.node_count(), &used),
+            postponing: vec![Vec::new(); automaton.until_count()],
             automaton,
             pairs: Pairs::new(graph.node_count()),
-            postponing: Vec::new(),
             product: Self {
                 rows: Rows::new(),
                 initial: Vec::new(),
@@ -175,13 +175,16 @@ impl Product {
     /// Returns the shortest path to a node.
     fn path_to(&self, node: u32) -> Lasso {
         let goal = Bits::from_ones(self.nodes.len(), [node as usize]);
-        let (paths, _) = ShortestPaths::to_nearest(&self.rows, &self.initial, &goal, |_| true);
-        let (start, stem) = paths.path_to(node);
-        self.projected(Lasso {
+        let (paths, arrivals) =
+            ShortestPaths::to_nearest(&self.rows, &self.initial, &goal, |_| true);
+        let found = arrivals.first().map(|it| paths.to_arrival(*it));
+        let (start, stem) = found.unwrap_or((node, Vec::new()));
+        let lasso = Lasso {
             start,
             stem,
             cycle: Vec::new(),
-        })
+        };
+        lasso.projected((&self.nodes, &self.edges))
     }
 
     /// Returns, for each obligation, that it is not postponed for ever.
@@ -213,29 +216,15 @@ impl Product {
     fn lasso(&self, fairness: &[Fairness]) -> Option<Lasso> {
         let untils = self.untils();
         let constraints = self.constraints(&untils, fairness);
-        let components = self.components(&constraints);
-        let finish = |lasso| self.projected(lasso).folded();
-        shortest_lasso(
-            &self.rows,
-            &self.initial,
-            &Bits::full(self.nodes.len()),
-            &components,
-            &constraints,
-            finish,
-        )
-    }
-
-    /// Returns the path of the graph for a path of the product.
-    fn projected(&self, lasso: Lasso) -> Lasso {
-        let step = |step: PathStep| PathStep {
-            edge: self.edges[step.edge as usize],
-            node: self.nodes[step.node as usize],
-        };
-        Lasso {
-            start: self.nodes[lasso.start as usize],
-            stem: lasso.stem.into_iter().map(step).collect(),
-            cycle: lasso.cycle.into_iter().map(step).collect(),
+        LassoSearch {
+            rows: &self.rows,
+            from: &self.initial,
+            within: &Bits::full(self.nodes.len()),
+            origins: Some((&self.nodes, &self.edges)),
+            components: &self.components(&constraints),
+            constraints: &constraints,
         }
+        .shortest()
     }
 }
 
@@ -251,13 +240,9 @@ impl ProductBuilder<'_> {
             at += 1;
         }
         let edge_count = self.product.rows.edge_count();
-        let mut postponing = vec![Bits::new(edge_count); self.automaton.until_count()];
-        for (edge, until) in self.postponing {
-            if let Some(edges) = postponing.get_mut(until as usize) {
-                edges.insert(edge as usize);
-            }
-        }
-        self.product.postponing = postponing;
+        let postponing = self.postponing.into_iter();
+        let postponing = postponing.map(|words| Bits::from_words(edge_count, words));
+        self.product.postponing = postponing.collect();
         self.product.nodes = self.pairs.nodes;
         Ok(self.product)
     }
@@ -280,12 +265,12 @@ impl ProductBuilder<'_> {
             }
             let edges = self.graph.edges(node).zip(self.graph.successors(node));
             for (edge, target) in edges.filter(|(_, target)| self.fair.contains(**target)) {
-                let added = product.rows.edge_count() as u32;
+                let added = product.rows.edge_count();
                 product.rows.push(self.pairs.id(*target, step.target));
                 product.edges.push(edge as u32);
-                let postponed = step.postponed.ones();
-                self.postponing
-                    .extend(postponed.map(|until| (added, until as u32)));
+                for until in step.postponed.ones() {
+                    mark(&mut self.postponing[until], added);
+                }
             }
         }
         product.rows.end_node();
@@ -300,4 +285,13 @@ impl ProductBuilder<'_> {
         }
         Ok(())
     }
+}
+
+/// Sets a bit.
+#[inline]
+fn mark(words: &mut Vec<u64>, bit: usize) {
+    if words.len() <= bit / 64 {
+        words.resize(bit / 64 + 1, 0);
+    }
+    words[bit / 64] |= 1 << (bit % 64);
 }

@@ -4,7 +4,7 @@ use crate::bits::Bits;
 use crate::constraint::Constraint;
 use crate::ctl::Ctl;
 use crate::ctl_terms::{CtlId, CtlTerm, CtlTerms};
-use crate::cycle::shortest_lasso;
+use crate::cycle::LassoSearch;
 use crate::error::TemporalError;
 use crate::fairness::Fairness;
 use crate::fixpoints::Fixpoints;
@@ -210,8 +210,8 @@ impl<'a> Satisfaction<'a> {
                     let goal = self.on.fair_of(&self.sets[*right]);
                     let through = |node| self.sets[*left].contains(node as usize);
                     let rows = self.on.graph.rows();
-                    let (paths, ends) = ShortestPaths::to_nearest(rows, &from, &goal, through);
-                    let found = ends.first().map(|end| paths.path_to(*end));
+                    let (paths, arrivals) = ShortestPaths::to_nearest(rows, &from, &goal, through);
+                    let found = arrivals.first().map(|it| paths.to_arrival(*it));
                     let (start, path) = found.unwrap_or_default();
                     id = *right;
                     (Some(start), path)
@@ -251,11 +251,15 @@ impl<'a> Satisfaction<'a> {
 
     /// Appends the shortest stem, and its shortest cycle, on which a formula always holds.
     fn for_ever(&self, mut lasso: Lasso, from: &[u32], of: CtlId) -> Lasso {
-        let within = &self.sets[of];
-        let components = self.on.components(within);
-        let rows = self.on.graph.rows();
-        let constraints = Constraint::all(self.on.fairness);
-        let found = shortest_lasso(rows, from, within, &components, &constraints, Lasso::folded);
+        let search = LassoSearch {
+            rows: self.on.graph.rows(),
+            from,
+            within: &self.sets[of],
+            origins: None,
+            components: &self.on.components(&self.sets[of]),
+            constraints: &Constraint::all(self.on.fairness),
+        };
+        let found = search.shortest();
         if let Some(found) = found {
             if lasso.stem.is_empty() {
                 lasso.start = found.start;

@@ -4,12 +4,21 @@ use crate::bits::Bits;
 use crate::lasso::PathStep;
 use crate::rows::Rows;
 use rustc_hash::FxHashMap;
+use std::collections::hash_map::Entry;
 
 /// Shortest paths from some nodes to all nodes that a search has reached.
 pub(crate) struct ShortestPaths<'a> {
     rows: &'a Rows,
     /// The edge by which each node was reached first; `None` where the search started.
     entered: FxHashMap<u32, Option<u32>>,
+}
+
+/// The end of a path.
+#[derive(Clone, Copy)]
+pub(crate) struct Arrival {
+    pub(crate) node: u32,
+    /// The last edge; `None` for a path without steps.
+    pub(crate) edge: Option<u32>,
 }
 
 impl<'a> ShortestPaths<'a> {
@@ -20,36 +29,39 @@ impl<'a> ShortestPaths<'a> {
         }
     }
 
-    /// Returns the paths, and all nodes of the set `goal` at the least distance. The search continues with the nodes for which
-    /// `may_pass` holds.
+    /// Returns the paths, and all ways to arrive at nodes of the set `goal` at the least distance. The search continues with the nodes
+    /// for which `may_pass` holds.
     pub(crate) fn to_nearest(
         rows: &'a Rows,
         from: &[u32],
         goal: &Bits,
         may_pass: impl Fn(u32) -> bool,
-    ) -> (Self, Vec<u32>) {
+    ) -> (Self, Vec<Arrival>) {
         let mut paths = Self::new(rows, from);
+        let at_start = from.iter().filter(|node| goal.contains(**node as usize));
+        let at_start = at_start.map(|node| Arrival {
+            node: *node,
+            edge: None,
+        });
+        let mut arrivals: Vec<Arrival> = at_start.collect();
         let mut level = from.to_vec();
-        while !level.is_empty() {
-            let reached = level.iter().copied();
-            let ends: Vec<u32> = reached.filter(|it| goal.contains(*it as usize)).collect();
-            if !ends.is_empty() {
-                return (paths, ends);
-            }
+        while !level.is_empty() && arrivals.is_empty() {
             let mut next = Vec::new();
             for node in level.into_iter().filter(|node| may_pass(*node)) {
-                for (edge, target) in rows.edges(node).zip(rows.targets(node)) {
-                    if let std::collections::hash_map::Entry::Vacant(entry) =
-                        paths.entered.entry(*target)
-                    {
-                        entry.insert(Some(edge as u32));
-                        next.push(*target);
+                for (edge, &target) in rows.edges(node).zip(rows.targets(node)) {
+                    let edge = Some(edge as u32);
+                    if goal.contains(target as usize) {
+                        let node = target;
+                        arrivals.push(Arrival { node, edge });
+                    } else if let Entry::Vacant(entry) = paths.entered.entry(target) {
+                        entry.insert(edge);
+                        next.push(target);
                     }
                 }
             }
             level = next;
         }
-        (paths, Vec::new())
+        (paths, arrivals)
     }
 
     /// Returns the shortest path from `from` along edges for which `may_follow` holds, which takes at least one step and whose last
@@ -77,9 +89,7 @@ impl<'a> ShortestPaths<'a> {
                     });
                     return Some(path);
                 }
-                if let std::collections::hash_map::Entry::Vacant(entry) =
-                    paths.entered.entry(target)
-                {
+                if let Entry::Vacant(entry) = paths.entered.entry(target) {
                     entry.insert(Some(edge as u32));
                     queue.push(target);
                 }
@@ -88,8 +98,20 @@ impl<'a> ShortestPaths<'a> {
         None
     }
 
+    /// Returns the path that arrives at a nearest node, and where it starts.
+    pub(crate) fn to_arrival(&self, arrival: Arrival) -> (u32, Vec<PathStep>) {
+        let Arrival { node, edge } = arrival;
+        let source = edge.and_then(|edge| self.rows.source(edge as usize));
+        let (Some(edge), Some(source)) = (edge, source) else {
+            return (node, Vec::new());
+        };
+        let (start, mut path) = self.path_to(source);
+        path.push(PathStep { edge, node });
+        (start, path)
+    }
+
     /// Returns the path to a node that has been reached, and where it starts.
-    pub(crate) fn path_to(&self, end: u32) -> (u32, Vec<PathStep>) {
+    fn path_to(&self, end: u32) -> (u32, Vec<PathStep>) {
         let mut path = Vec::new();
         let mut node = end;
         while let Some(Some(edge)) = self.entered.get(&node) {

@@ -3,8 +3,8 @@
 use crate::naive;
 use crate::random::{Random, Structure};
 use crate::words::{assert_is_path, entry, for_each_lasso, holds, is_fair};
-use asmotion_temporal::{Bits, FairPaths, Fairness, GraphBuilder, Lasso, Ltl, Recurrent};
-use asmotion_temporal::{TemporalError, check_ltl};
+use asmotion_temporal::{Bits, Ctl, FairPaths, Fairness, GraphBuilder, Lasso, Ltl, Recurrent};
+use asmotion_temporal::{TemporalError, check_ctl, check_ltl};
 
 /// Longest path of the enumeration.
 const LENGTH: usize = 6;
@@ -158,4 +158,140 @@ fn sizes_and_atoms_are_checked() {
     assert_eq!(check(&[Bits::new(4)], &Ltl::True, &[]), size("nodes", 3, 4));
     let edges = Fairness::Justice(Recurrent::edges(Bits::new(3)));
     assert_eq!(check(&[], &Ltl::True, &[edges]), size("edges", 4, 3));
+}
+
+/// Beyond 32 constraints, cycles satisfy one after the other.
+#[test]
+fn many_constraints_are_satisfied_by_one_cycle() {
+    const NODES: u32 = 100;
+    let mut builder = GraphBuilder::new();
+    for node in 0..NODES {
+        builder.edge((node + 1) % NODES, 0);
+        builder.edge((node + NODES - 1) % NODES, 0);
+        builder.end_node();
+    }
+    let graph = builder.finish(vec![0]).expect("a lawful graph");
+    let at = |node| Recurrent::nodes(Bits::from_ones(NODES as usize, [node]));
+    let mut fairness: Vec<Fairness> = (0..35).map(|it| Fairness::Justice(at(2 * it))).collect();
+    fairness.push(Fairness::Compassion(at(1), at(90)));
+    fairness.push(Fairness::Compassion(at(99), at(98)));
+    let goal = Bits::from_ones(NODES as usize, [95]);
+    let formula = Ltl::globally(Ltl::finally(Ltl::Atom(0)));
+    let verdict = check_ltl(&graph, std::slice::from_ref(&goal), &formula, &fairness);
+    let lasso = verdict.expect("a verdict").violation.expect("a violation");
+    assert_is_path(&graph, &lasso);
+    assert!(is_fair(&lasso.cycle, &fairness));
+    assert!(
+        lasso
+            .cycle
+            .iter()
+            .all(|it| !goal.contains(it.node as usize))
+    );
+}
+
+/// Nothing recurses over nodes: the stack of a thread is too small for that.
+#[test]
+fn long_paths_need_no_stack() {
+    const NODES: u32 = 1_000_000;
+    let check = || {
+        let mut builder = GraphBuilder::new();
+        for node in 0..NODES {
+            builder.edge((node + 1) % NODES, 0);
+            builder.edge(node.saturating_sub(1), 1);
+            builder.end_node();
+        }
+        let graph = builder.finish(vec![0]).expect("a lawful graph");
+        let last = [Bits::from_ones(NODES as usize, [NODES as usize - 1])];
+        let moves = Bits::from_fn(graph.edge_count(), |edge| edge % 2 == 0);
+        let back = moves.clone().complemented();
+        let fairness = [
+            Fairness::Justice(Recurrent::edges(moves)),
+            Fairness::Compassion(Recurrent::edges(back), Recurrent::nodes(last[0].clone())),
+        ];
+        let atom = || Ltl::Atom(0);
+        let recurs = Ltl::globally(Ltl::finally(atom()));
+        let ctl = Ctl::ag(Ctl::af(Ctl::Atom(0)));
+        for fairness in [&fairness[..1], &fairness] {
+            let is_strong = fairness.len() == 2;
+            let verdict = check_ltl(&graph, &last, &recurs, fairness).expect("a verdict");
+            assert_eq!(verdict.holds(), is_strong);
+            let verdict = check_ctl(&graph, &last, &ctl, fairness).expect("a verdict");
+            assert_eq!(verdict.holds(), is_strong);
+        }
+        let never = Ltl::globally(Ltl::negation(atom()));
+        let verdict = check_ltl(&graph, &last, &never, &[]).expect("a verdict");
+        let lasso = verdict.violation.expect("a violation");
+        assert_eq!(lasso.stem.len(), NODES as usize - 1);
+    };
+    let thread = std::thread::Builder::new().stack_size(256 << 10);
+    let thread = thread.spawn(check).expect("a thread");
+    thread.join().expect("no panic");
+}
+
+/// No lasso has a shorter stem, or a shorter cycle after a stem of the same length, than the counterexamples of properties of the usual
+/// forms.
+#[test]
+fn counterexamples_of_usual_properties_are_shortest() {
+    let atom = Ltl::Atom;
+    let usual = [
+        Ltl::globally(Ltl::finally(atom(0))),
+        Ltl::finally(Ltl::globally(atom(0))),
+        Ltl::finally(atom(0)),
+        Ltl::until(atom(0), atom(1)),
+        Ltl::implies(
+            Ltl::globally(Ltl::finally(atom(0))),
+            Ltl::globally(Ltl::finally(atom(1))),
+        ),
+        Ltl::globally(Ltl::implies(atom(0), Ltl::finally(atom(1)))),
+    ];
+    let mut longer = vec![(0, 0); usual.len()];
+    for seed in 0..1500 {
+        let structure = Random::new(seed).structure(4);
+        for (formula, (longer, all)) in usual.iter().zip(&mut longer) {
+            let Structure {
+                graph,
+                atoms,
+                fairness,
+            } = &structure;
+            let verdict = check_ltl(graph, atoms, formula, fairness).expect("a verdict");
+            let Some(lasso) = verdict.violation.filter(|it| !it.cycle.is_empty()) else {
+                continue;
+            };
+            let size = (lasso.stem.len(), lasso.cycle.len());
+            let shortest = shortest_violation(&structure, formula);
+            *all += 1;
+            *longer += usize::from(shortest.is_some_and(|shortest| shortest < size));
+        }
+    }
+    assert!(longer.iter().all(|(_, all)| *all > 100), "{longer:?}");
+    let longer: Vec<usize> = longer.into_iter().map(|(longer, _)| longer).collect();
+    assert_eq!(longer[..5], [0; 5]);
+    // a response: the path can pass the cause once more than it has to
+    assert!(longer[5] < 10, "{longer:?}");
+}
+
+/// Strong fairness as an assumption of the formula, instead of a constraint.
+#[test]
+fn assumptions_agree_with_constraints() {
+    for seed in 0..200 {
+        let mut structure = Random::new(seed).structure(6);
+        let nodes = |at: usize| Recurrent::nodes(structure.atoms[at].clone());
+        structure.fairness = vec![
+            Fairness::Compassion(nodes(0), nodes(1)),
+            Fairness::Compassion(nodes(1), nodes(2)),
+        ];
+        let recurs = |at| Ltl::globally(Ltl::finally(Ltl::Atom(at)));
+        let strong = |cause, effect| Ltl::implies(recurs(cause), recurs(effect));
+        let assumption = Ltl::And(vec![strong(0, 1), strong(1, 2)]);
+        let property = Ltl::implies(recurs(0), Ltl::globally(Ltl::once(Ltl::Atom(2))));
+        let assumed = Ltl::implies(assumption, property.clone());
+        let Structure {
+            graph,
+            atoms,
+            fairness,
+        } = &structure;
+        let constrained = check_ltl(graph, atoms, &property, fairness).expect("a verdict");
+        let assumed = check_ltl(graph, atoms, &assumed, &[]).expect("a verdict");
+        assert_eq!(constrained.holds(), assumed.holds(), "seed {seed}");
+    }
 }
