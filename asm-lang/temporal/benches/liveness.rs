@@ -48,8 +48,7 @@ fn graph() -> (Graph, Vec<Fairness>) {
     let fairness = (0..AGENTS).map(|agent| {
         let nodes = enabled[agent as usize].iter().copied();
         let disabled = Bits::from_ones(graph.node_count(), nodes).complemented();
-        let is_move = |edge| graph.label(edge as u32) == Some(agent);
-        let moves = Bits::from_fn(graph.edge_count(), is_move);
+        let moves = graph.edges_with(|label| label == agent);
         Fairness::Justice(Recurrent::nodes_or_edges(disabled, moves))
     });
     let fairness = fairness.collect();

@@ -21,14 +21,14 @@ pub(crate) struct Automaton {
     closure: Closure,
     /// The obligations `p U q`.
     untils: Vec<LtlId>,
-    states: Vec<State>,
-    ids: FxHashMap<State, u32>,
+    states: Vec<AutomatonState>,
+    ids: FxHashMap<AutomatonState, u32>,
     steps: Vec<AutomatonStep>,
     known: FxHashMap<(u32, u32), Range<usize>>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct State {
+struct AutomatonState {
     /// Terms.
     obligations: Bits,
     /// What the past operators remember.
@@ -93,7 +93,7 @@ impl Automaton {
         };
         let mut obligations = automaton.no_terms();
         automaton.oblige(&mut obligations, root);
-        automaton.state(State {
+        automaton.state(AutomatonState {
             obligations,
             history,
         });
@@ -159,7 +159,7 @@ impl Automaton {
 
     fn add_step(&mut self, alternative: Alternative, history: Bits) {
         let is_final = alternative.next.is_empty();
-        let target = self.state(State {
+        let target = self.state(AutomatonState {
             obligations: alternative.next,
             history,
         });
@@ -170,7 +170,7 @@ impl Automaton {
         });
     }
 
-    fn state(&mut self, state: State) -> u32 {
+    fn state(&mut self, state: AutomatonState) -> u32 {
         let states = &mut self.states;
         *self.ids.entry(state.clone()).or_insert_with(|| {
             states.push(state);

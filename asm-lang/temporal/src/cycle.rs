@@ -4,7 +4,7 @@ use crate::bits::Bits;
 use crate::constraint::Constraint;
 use crate::fairness::{Fairness, Recurrent};
 use crate::lasso::{Lasso, PathStep};
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 use crate::search::ShortestPaths;
 use crate::streett::FairComponents;
 use rustc_hash::FxHashSet;
@@ -21,7 +21,7 @@ const RETURNS: usize = 16;
 
 /// A graph, or a product whose nodes and edges correspond to those of a graph, in which lassos are looked for.
 pub(crate) struct LassoSearch<'a> {
-    pub(crate) rows: &'a Rows,
+    pub(crate) rows: &'a SparseRows,
     /// Where lassos start.
     pub(crate) from: &'a [u32],
     /// What they consist of.
@@ -100,7 +100,7 @@ impl LassoSearch<'_> {
 }
 
 struct CycleSearch<'a> {
-    rows: &'a Rows,
+    rows: &'a SparseRows,
     components: &'a FairComponents,
     constraints: &'a [Constraint<'a>],
     effort: usize,

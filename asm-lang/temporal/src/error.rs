@@ -49,6 +49,9 @@ pub enum TemporalError {
         /// The largest supported number.
         limit: u32,
     },
+    /// The caller ended the check before it had a result.
+    #[error("the check was interrupted")]
+    Interrupted,
     /// The automaton of an LTL formula is too large.
     #[error(
         "the formula is too large: one state of its automaton has more than {limit} successors"

@@ -2,7 +2,7 @@
 
 use crate::bits::Bits;
 use crate::error::TemporalError;
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 
 /// What occurs infinitely often: a visit to one of some nodes, or a step along one of some edges.
 ///
@@ -66,7 +66,7 @@ impl Recurrent {
         edges.is_some_and(|it| it.contains(edge))
     }
 
-    fn validate(&self, rows: &Rows) -> Result<(), TemporalError> {
+    fn validate(&self, rows: &SparseRows) -> Result<(), TemporalError> {
         let sets = [
             ("nodes", &self.nodes, rows.node_count()),
             ("edges", &self.edges, rows.edge_count()),
@@ -86,7 +86,7 @@ impl Recurrent {
 }
 
 impl Fairness {
-    pub(crate) fn validate(&self, rows: &Rows) -> Result<(), TemporalError> {
+    pub(crate) fn validate(&self, rows: &SparseRows) -> Result<(), TemporalError> {
         match self {
             Self::Justice(often) => often.validate(rows),
             Self::Compassion(cause, effect) => {

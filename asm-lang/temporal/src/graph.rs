@@ -1,7 +1,8 @@
 //! Finite graphs with labelled edges, initial nodes and a total relation.
 
+use crate::bits::Bits;
 use crate::error::TemporalError;
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -11,11 +12,11 @@ use std::sync::OnceLock;
 /// predecessors.
 #[derive(Debug)]
 pub struct Graph {
-    rows: Rows,
+    rows: SparseRows,
     labels: Vec<u32>,
     initial: Vec<u32>,
     stuttering: usize,
-    reversed: OnceLock<Rows>,
+    reversed: OnceLock<SparseRows>,
 }
 
 impl Graph {
@@ -72,11 +73,17 @@ impl Graph {
         self.labels.get(edge as usize).copied()
     }
 
-    pub(crate) fn rows(&self) -> &Rows {
+    /// Returns the edges whose label satisfies a condition.
+    pub fn edges_with(&self, mut is_meant: impl FnMut(u32) -> bool) -> Bits {
+        let is_meant = |edge: usize| self.labels.get(edge).is_some_and(|it| is_meant(*it));
+        Bits::from_fn(self.edge_count(), is_meant)
+    }
+
+    pub(crate) fn rows(&self) -> &SparseRows {
         &self.rows
     }
 
-    pub(crate) fn reversed(&self) -> &Rows {
+    pub(crate) fn reversed(&self) -> &SparseRows {
         self.reversed.get_or_init(|| self.rows.reversed())
     }
 }
@@ -84,7 +91,7 @@ impl Graph {
 /// Builds a [`Graph`], one node after the other.
 #[derive(Debug)]
 pub struct GraphBuilder {
-    rows: Rows,
+    rows: SparseRows,
     labels: Vec<u32>,
     stuttering: usize,
     has_reserved_label: bool,
@@ -100,7 +107,7 @@ impl GraphBuilder {
     /// Returns a builder without nodes.
     pub fn new() -> Self {
         Self {
-            rows: Rows::new(),
+            rows: SparseRows::new(),
             labels: Vec::new(),
             stuttering: 0,
             has_reserved_label: false,

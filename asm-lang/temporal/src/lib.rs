@@ -2,7 +2,8 @@
 //!
 //! A [`Graph`] is a Kripke structure whose edges carry labels. Atoms are sets of nodes ([`Bits`]). [`check_ctl`] and [`check_ltl`]
 //! judge a formula in all initial nodes; only paths that satisfy every [`Fairness`] constraint count. A violated formula comes with a
-//! [`Lasso`]: a path from an initial node, and a cycle where the violation takes an infinite path.
+//! [`Lasso`]: a path from an initial node, and a cycle where the violation takes an infinite path. A path that satisfies a formula is
+//! found by [`witness_ctl`], or as the violation of a negated LTL formula.
 //!
 //! ```
 //! use asmotion_temporal::{Bits, GraphBuilder, Ltl, check_ltl};
@@ -56,7 +57,7 @@ pub use fairness::{Fairness, Recurrent};
 pub use graph::{Graph, GraphBuilder};
 pub use lasso::{Lasso, PathStep};
 pub use ltl::Ltl;
-pub use product::check_ltl;
-pub use satisfaction::{check_ctl, witness_ctl};
+pub use product::{check_ltl, check_ltl_while};
+pub use satisfaction::{check_ctl, check_ctl_while, witness_ctl};
 pub use vacuity::{AtomOccurrence, Vacuity, vacuity_ctl, vacuity_ltl};
 pub use verdict::{FairPaths, TemporalVerdict};

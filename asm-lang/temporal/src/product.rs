@@ -11,7 +11,7 @@ use crate::graph::Graph;
 use crate::lasso::Lasso;
 use crate::letters::Letters;
 use crate::ltl::Ltl;
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 use crate::search::ShortestPaths;
 use crate::streett::{FairComponents, fair_components};
 use crate::validate::validate;
@@ -31,7 +31,22 @@ pub fn check_ltl(
     formula: &Ltl,
     fairness: &[Fairness],
 ) -> Result<TemporalVerdict, TemporalError> {
-    let (product, fair) = Product::of(graph, atoms, formula, fairness)?;
+    check_ltl_while(graph, atoms, formula, fairness, &|_| true)
+}
+
+/// Checks an LTL formula like [`check_ltl`], as long as `goes_on` returns true. It is asked at least every 1024 nodes of the product,
+/// with the bytes of memory that the product takes so far.
+///
+/// # Errors
+/// The same as of [`check_ltl`], and [`TemporalError::Interrupted`].
+pub fn check_ltl_while(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ltl,
+    fairness: &[Fairness],
+    goes_on: &dyn Fn(usize) -> bool,
+) -> Result<TemporalVerdict, TemporalError> {
+    let (product, fair) = Product::of(graph, atoms, formula, fairness, goes_on)?;
     let violation = match product.decided {
         Some(node) => Some(product.path_to(node)),
         None => product.lasso(fairness),
@@ -49,7 +64,7 @@ pub(crate) fn holds_ltl(
     formula: &Ltl,
     fairness: &[Fairness],
 ) -> Result<bool, TemporalError> {
-    let (product, _) = Product::of(graph, atoms, formula, fairness)?;
+    let (product, _) = Product::of(graph, atoms, formula, fairness, &|_| true)?;
     if product.decided.is_some() {
         return Ok(false);
     }
@@ -60,7 +75,7 @@ pub(crate) fn holds_ltl(
 
 /// The part of the product that is reachable along fair nodes.
 struct Product {
-    rows: Rows,
+    rows: SparseRows,
     initial: Vec<u32>,
     /// The node of the graph for each node.
     nodes: Vec<u32>,
@@ -94,6 +109,8 @@ struct Pairs {
     ids: Vec<Vec<Option<Box<[u32; BLOCK]>>>>,
     /// Number of blocks of nodes.
     blocks: usize,
+    /// Number of blocks that are stored.
+    stored: usize,
     nodes: Vec<u32>,
     states: Vec<u32>,
 }
@@ -103,9 +120,14 @@ impl Pairs {
         Self {
             ids: Vec::new(),
             blocks: node_count.div_ceil(BLOCK),
+            stored: 0,
             nodes: Vec::new(),
             states: Vec::new(),
         }
+    }
+
+    fn bytes(&self) -> usize {
+        self.stored * 4 * BLOCK + self.ids.len() * self.blocks * size_of::<usize>()
     }
 
     #[inline]
@@ -115,7 +137,10 @@ impl Pairs {
             self.ids.push(blocks.collect());
         }
         let block = &mut self.ids[state as usize][node as usize / BLOCK];
-        let block = block.get_or_insert_with(|| Box::new([u32::MAX; BLOCK]));
+        let block = block.get_or_insert_with(|| {
+            self.stored += 1;
+            Box::new([u32::MAX; BLOCK])
+        });
         let id = &mut block[node as usize % BLOCK];
         if *id == u32::MAX {
             *id = self.nodes.len() as u32;
@@ -133,11 +158,12 @@ impl Product {
         atoms: &[Bits],
         formula: &Ltl,
         fairness: &[Fairness],
+        goes_on: &dyn Fn(usize) -> bool,
     ) -> Result<(Self, FairNodes), TemporalError> {
         validate(graph, atoms, fairness)?;
         let mut automaton = Automaton::of_negation(formula, atoms.len())?;
         let fair = FairNodes::of(graph, fairness);
-        let product = Self::new(graph, atoms, &mut automaton, &fair)?;
+        let product = Self::new(graph, atoms, &mut automaton, &fair, goes_on)?;
         Ok((product, fair))
     }
 
@@ -146,6 +172,7 @@ impl Product {
         atoms: &[Bits],
         automaton: &mut Automaton,
         fair: &FairNodes,
+        goes_on: &dyn Fn(usize) -> bool,
     ) -> Result<Self, TemporalError> {
         let used: Vec<&Bits> = automaton
             .atoms()
@@ -161,7 +188,7 @@ impl Product {
             automaton,
             pairs: Pairs::new(graph.node_count()),
             product: Self {
-                rows: Rows::new(),
+                rows: SparseRows::new(),
                 initial: Vec::new(),
                 nodes: Vec::new(),
                 edges: Vec::new(),
@@ -169,7 +196,7 @@ impl Product {
                 decided: None,
             },
         };
-        builder.build()
+        builder.build(goes_on)
     }
 
     /// Returns the shortest path to a node.
@@ -229,13 +256,16 @@ impl Product {
 }
 
 impl ProductBuilder<'_> {
-    fn build(mut self) -> Result<Product, TemporalError> {
+    fn build(mut self, goes_on: &dyn Fn(usize) -> bool) -> Result<Product, TemporalError> {
         for node in self.fair.initial(self.graph) {
             let id = self.pairs.id(node, Automaton::START);
             self.product.initial.push(id);
         }
         let mut at = 0;
         while at < self.pairs.nodes.len() && self.product.decided.is_none() {
+            if at.is_multiple_of(1024) && !goes_on(self.bytes()) {
+                return Err(TemporalError::Interrupted);
+            }
             self.expand(at as u32)?;
             at += 1;
         }
@@ -245,6 +275,13 @@ impl ProductBuilder<'_> {
         self.product.postponing = postponing.collect();
         self.product.nodes = self.pairs.nodes;
         Ok(self.product)
+    }
+
+    /// Bytes of nodes and edges, of what a search for components adds for each node, and of the numbers of pairs.
+    fn bytes(&self) -> usize {
+        let nodes = self.pairs.nodes.len() * 32;
+        let edges = self.product.rows.edge_count() * 8;
+        nodes + edges + self.pairs.bytes()
     }
 
     /// Adds the edges of a node.

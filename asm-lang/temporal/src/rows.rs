@@ -4,13 +4,13 @@ use std::ops::Range;
 
 /// The edges of a graph, ordered by source. A node can be without edges.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows {
+pub(crate) struct SparseRows {
     /// First edge of each node, and the number of edges.
     offsets: Vec<u32>,
     targets: Vec<u32>,
 }
 
-impl Rows {
+impl SparseRows {
     pub(crate) fn new() -> Self {
         Self {
             offsets: vec![0],

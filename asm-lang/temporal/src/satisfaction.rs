@@ -27,7 +27,22 @@ pub fn check_ctl(
     formula: &Ctl,
     fairness: &[Fairness],
 ) -> Result<TemporalVerdict, TemporalError> {
-    let negation = Satisfaction::of(graph, atoms, formula, false, fairness)?;
+    check_ctl_while(graph, atoms, formula, fairness, &|_| true)
+}
+
+/// Checks a CTL formula like [`check_ctl`], as long as `goes_on` returns true. It is asked before each sub-formula, with the bytes of
+/// memory that the sets of nodes take so far.
+///
+/// # Errors
+/// The same as of [`check_ctl`], and [`TemporalError::Interrupted`].
+pub fn check_ctl_while(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ctl,
+    fairness: &[Fairness],
+    goes_on: &dyn Fn(usize) -> bool,
+) -> Result<TemporalVerdict, TemporalError> {
+    let negation = Satisfaction::while_allowed(graph, atoms, (formula, false), fairness, goes_on)?;
     Ok(TemporalVerdict {
         violation: negation.witness(),
         fair: negation.on.fair.paths(graph),
@@ -78,6 +93,17 @@ impl<'a> Satisfaction<'a> {
         is_positive: bool,
         fairness: &'a [Fairness],
     ) -> Result<Self, TemporalError> {
+        Self::while_allowed(graph, atoms, (formula, is_positive), fairness, &|_| true)
+    }
+
+    /// Evaluates a formula, or its negation.
+    fn while_allowed(
+        graph: &'a Graph,
+        atoms: &[Bits],
+        (formula, is_positive): (&Ctl, bool),
+        fairness: &'a [Fairness],
+        goes_on: &dyn Fn(usize) -> bool,
+    ) -> Result<Self, TemporalError> {
         validate(graph, atoms, fairness)?;
         let (terms, root) = CtlTerms::of(formula, is_positive, atoms.len())?;
         let mut found = Self {
@@ -88,6 +114,9 @@ impl<'a> Satisfaction<'a> {
             has_path: Vec::new(),
         };
         for id in 0..found.terms.len() {
+            if !goes_on(id * graph.node_count().div_ceil(8)) {
+                return Err(TemporalError::Interrupted);
+            }
             let set = found.evaluate(&found.terms[id], atoms);
             found.sets.push(set);
             let has_path = found.starts_path(&found.terms[id]);

@@ -1,6 +1,6 @@
 //! Strongly connected components, without recursion.
 
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 
 /// Strongly connected components, each after those that it reaches.
 #[derive(Debug, Default)]
@@ -19,7 +19,7 @@ impl Components {
 }
 
 /// A node whose edges are being followed.
-struct Visit {
+struct OpenNode {
     node: u32,
     edge: u32,
     end: u32,
@@ -33,7 +33,7 @@ struct Visit {
 /// larger than every such position afterwards.
 pub(crate) struct ComponentSearch {
     ranks: Vec<u32>,
-    visits: Vec<Visit>,
+    visits: Vec<OpenNode>,
     unfinished: Vec<u32>,
 }
 
@@ -50,7 +50,7 @@ impl ComponentSearch {
     /// target, which is one of the nodes.
     pub(crate) fn components(
         &mut self,
-        rows: &Rows,
+        rows: &SparseRows,
         nodes: &[u32],
         is_inside: impl Fn(usize, u32) -> bool,
     ) -> Components {
@@ -69,11 +69,11 @@ impl ComponentSearch {
         found
     }
 
-    fn enter(&mut self, rows: &Rows, node: u32, next: &mut u32) {
+    fn enter(&mut self, rows: &SparseRows, node: u32, next: &mut u32) {
         self.ranks[node as usize] = *next;
         *next += 1;
         let edges = rows.edges(node);
-        self.visits.push(Visit {
+        self.visits.push(OpenNode {
             node,
             edge: edges.start as u32,
             end: edges.end as u32,
@@ -84,7 +84,7 @@ impl ComponentSearch {
     /// Visits everything that is reachable from the node entered last.
     fn visit(
         &mut self,
-        rows: &Rows,
+        rows: &SparseRows,
         is_inside: &impl Fn(usize, u32) -> bool,
         next: &mut u32,
         finished: &mut u32,

@@ -2,27 +2,27 @@
 
 use crate::bits::Bits;
 use crate::lasso::PathStep;
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 use rustc_hash::FxHashMap;
 use std::collections::hash_map::Entry;
 
 /// Shortest paths from some nodes to all nodes that a search has reached.
 pub(crate) struct ShortestPaths<'a> {
-    rows: &'a Rows,
+    rows: &'a SparseRows,
     /// The edge by which each node was reached first; `None` where the search started.
     entered: FxHashMap<u32, Option<u32>>,
 }
 
 /// The end of a path.
 #[derive(Clone, Copy)]
-pub(crate) struct Arrival {
+pub(crate) struct NearestNode {
     pub(crate) node: u32,
     /// The last edge; `None` for a path without steps.
     pub(crate) edge: Option<u32>,
 }
 
 impl<'a> ShortestPaths<'a> {
-    fn new(rows: &'a Rows, from: &[u32]) -> Self {
+    fn new(rows: &'a SparseRows, from: &[u32]) -> Self {
         Self {
             rows,
             entered: from.iter().map(|node| (*node, None)).collect(),
@@ -32,18 +32,18 @@ impl<'a> ShortestPaths<'a> {
     /// Returns the paths, and all ways to arrive at nodes of the set `goal` at the least distance. The search continues with the nodes
     /// for which `may_pass` holds.
     pub(crate) fn to_nearest(
-        rows: &'a Rows,
+        rows: &'a SparseRows,
         from: &[u32],
         goal: &Bits,
         may_pass: impl Fn(u32) -> bool,
-    ) -> (Self, Vec<Arrival>) {
+    ) -> (Self, Vec<NearestNode>) {
         let mut paths = Self::new(rows, from);
         let at_start = from.iter().filter(|node| goal.contains(**node as usize));
-        let at_start = at_start.map(|node| Arrival {
+        let at_start = at_start.map(|node| NearestNode {
             node: *node,
             edge: None,
         });
-        let mut arrivals: Vec<Arrival> = at_start.collect();
+        let mut arrivals: Vec<NearestNode> = at_start.collect();
         let mut level = from.to_vec();
         while !level.is_empty() && arrivals.is_empty() {
             let mut next = Vec::new();
@@ -52,7 +52,7 @@ impl<'a> ShortestPaths<'a> {
                     let edge = Some(edge as u32);
                     if goal.contains(target as usize) {
                         let node = target;
-                        arrivals.push(Arrival { node, edge });
+                        arrivals.push(NearestNode { node, edge });
                     } else if let Entry::Vacant(entry) = paths.entered.entry(target) {
                         entry.insert(edge);
                         next.push(target);
@@ -67,7 +67,7 @@ impl<'a> ShortestPaths<'a> {
     /// Returns the shortest path from `from` along edges for which `may_follow` holds, which takes at least one step and whose last
     /// step alone satisfies `is_goal`. Both are given an edge and its target.
     pub(crate) fn to_step(
-        rows: &'a Rows,
+        rows: &'a SparseRows,
         from: u32,
         may_follow: impl Fn(usize, u32) -> bool,
         is_goal: impl Fn(usize, u32) -> bool,
@@ -99,8 +99,8 @@ impl<'a> ShortestPaths<'a> {
     }
 
     /// Returns the path that arrives at a nearest node, and where it starts.
-    pub(crate) fn to_arrival(&self, arrival: Arrival) -> (u32, Vec<PathStep>) {
-        let Arrival { node, edge } = arrival;
+    pub(crate) fn to_arrival(&self, arrival: NearestNode) -> (u32, Vec<PathStep>) {
+        let NearestNode { node, edge } = arrival;
         let source = edge.and_then(|edge| self.rows.source(edge as usize));
         let (Some(edge), Some(source)) = (edge, source) else {
             return (node, Vec::new());

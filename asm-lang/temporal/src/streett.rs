@@ -3,7 +3,7 @@
 use crate::bits::Bits;
 use crate::constraint::Constraint;
 use crate::fairness::{Fairness, Recurrent};
-use crate::rows::Rows;
+use crate::rows::SparseRows;
 use crate::scc::ComponentSearch;
 
 /// Disjoint strongly connected subgraphs, in each of which some cycle visits all nodes and satisfies every constraint.
@@ -36,7 +36,7 @@ impl FairComponents {
         self.excluded.as_ref().is_some_and(|it| it.contains(edge))
     }
 
-    fn is_trivial(&self, rows: &Rows, nodes: &[u32]) -> bool {
+    fn is_trivial(&self, rows: &SparseRows, nodes: &[u32]) -> bool {
         let &[node] = nodes else {
             return false;
         };
@@ -47,7 +47,7 @@ impl FairComponents {
     /// Returns whether something occurs in a component, whose nodes have been assigned to `region`.
     fn occurs(
         &self,
-        rows: &Rows,
+        rows: &SparseRows,
         nodes: &[u32],
         region: u32,
         constraint: &Constraint<'_>,
@@ -74,7 +74,7 @@ impl FairComponents {
 /// A component that lacks what justice requires is dropped. One that lacks the effect of compassion loses the causes and is
 /// decomposed again (Emerson and Lei's algorithm for Streett conditions).
 pub(crate) fn fair_components(
-    rows: &Rows,
+    rows: &SparseRows,
     within: &Bits,
     constraints: &[Constraint<'_>],
 ) -> FairComponents {
@@ -131,7 +131,7 @@ enum Judgement {
 
 fn judge(
     found: &mut FairComponents,
-    rows: &Rows,
+    rows: &SparseRows,
     nodes: &[u32],
     region: u32,
     constraints: &[Constraint<'_>],

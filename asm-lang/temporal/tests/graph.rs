@@ -19,6 +19,8 @@ fn edges_are_numbered_by_source() {
     assert_eq!(graph.predecessors(1), [0, 1]);
     assert_eq!(graph.label(1), Some(11));
     assert_eq!(graph.label(2), Some(Graph::STUTTER));
+    let marked = graph.edges_with(|label| label != 10);
+    assert_eq!(marked.ones().collect::<Vec<_>>(), [1, 2]);
     // beyond the last node and edge
     assert_eq!((graph.edges(2), graph.edges(u32::MAX)), (0..0, 0..0));
     assert_eq!((graph.source(3), graph.target(3)), (None, None));

@@ -4,7 +4,8 @@ use crate::naive;
 use crate::random::{Random, Structure};
 use crate::words::{assert_is_path, entry, for_each_lasso, holds, is_fair};
 use asmotion_temporal::{Bits, Ctl, FairPaths, Fairness, GraphBuilder, Lasso, Ltl, Recurrent};
-use asmotion_temporal::{TemporalError, check_ctl, check_ltl};
+use asmotion_temporal::{TemporalError, check_ctl, check_ctl_while, check_ltl, check_ltl_while};
+use std::cell::Cell;
 
 /// Longest path of the enumeration.
 const LENGTH: usize = 6;
@@ -294,4 +295,28 @@ fn assumptions_agree_with_constraints() {
         let assumed = check_ltl(graph, atoms, &assumed, &[]).expect("a verdict");
         assert_eq!(constrained.holds(), assumed.holds(), "seed {seed}");
     }
+}
+
+#[test]
+fn checks_can_be_interrupted() {
+    let graph = Random::new(1).graph(6);
+    let atoms = [Bits::new(graph.node_count())];
+    let recurs = Ltl::globally(Ltl::finally(Ltl::Atom(0)));
+    let always = Ctl::ag(Ctl::af(Ctl::Atom(0)));
+    let largest = Cell::new(0);
+    let ends_at = |limit: usize| {
+        let largest = &largest;
+        move |bytes: usize| {
+            largest.set(bytes.max(largest.get()));
+            bytes <= limit
+        }
+    };
+    let interrupted = |verdict| verdict == Err(TemporalError::Interrupted);
+    let ltl = |limit| check_ltl_while(&graph, &atoms, &recurs, &[], &ends_at(limit));
+    assert!(ltl(usize::MAX).is_ok_and(|it| !it.holds()));
+    assert!(largest.get() > 0 && interrupted(ltl(largest.get() - 1)));
+    let ctl = |limit| check_ctl_while(&graph, &atoms, &always, &[], &ends_at(limit));
+    largest.set(0);
+    assert!(ctl(usize::MAX).is_ok_and(|it| !it.holds()));
+    assert!(largest.get() > 0 && interrupted(ctl(largest.get() - 1)));
 }
