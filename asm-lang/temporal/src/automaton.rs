@@ -7,8 +7,12 @@
 
 use crate::bits::Bits;
 use crate::closure::{Closure, Letter, LtlId, LtlTerm, Past};
+use crate::constraint::Constraint;
 use crate::error::TemporalError;
+use crate::fairness::{Fairness, Recurrent};
 use crate::ltl::Ltl;
+use crate::rows::SparseRows;
+use crate::streett::fair_components;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 use std::rc::Rc;
@@ -42,7 +46,7 @@ pub(crate) struct AutomatonStep {
     /// No obligation is left: every continuation is accepted.
     pub(crate) is_final: bool,
     /// Indices of the obligations that are postponed.
-    pub(crate) postponed: Bits,
+    pub(crate) postponed: Vec<usize>,
 }
 
 /// A way to satisfy formulas: what is left for the next position, and which of it is postponed.
@@ -130,6 +134,32 @@ impl Automaton {
         Ok(self.steps.get(range).unwrap_or_default())
     }
 
+    /// Returns the states that some run visits for ever without postponing an obligation for ever, as far as steps are known.
+    pub(crate) fn recurrent_states(&self) -> Bits {
+        let mut by_state = vec![Vec::new(); self.states.len()];
+        for ((state, _), range) in &self.known {
+            by_state[*state as usize].extend(range.clone());
+        }
+        let mut rows = SparseRows::new();
+        let mut order = Vec::new();
+        for steps in by_state {
+            for step in steps {
+                rows.push(self.steps[step].target);
+                order.push(step);
+            }
+            rows.end_node();
+        }
+        let untils = 0..self.untils.len();
+        let untils = untils.map(|until| {
+            let postpones = |at: usize| self.steps[order[at]].postponed.contains(&until);
+            let kept = Bits::from_fn(order.len(), |at| !postpones(at));
+            Fairness::Justice(Recurrent::edges(kept))
+        });
+        let untils: Vec<Fairness> = untils.collect();
+        let all = Bits::full(self.states.len());
+        fair_components(&rows, &all, &Constraint::all(&untils)).members
+    }
+
     fn add_steps(
         &mut self,
         state: u32,
@@ -166,7 +196,7 @@ impl Automaton {
         self.steps.push(AutomatonStep {
             target,
             is_final,
-            postponed: alternative.postponed,
+            postponed: alternative.postponed.ones().collect(),
         });
     }
 

@@ -16,6 +16,7 @@ use crate::search::ShortestPaths;
 use crate::streett::{FairComponents, fair_components};
 use crate::validate::validate;
 use crate::verdict::TemporalVerdict;
+use std::ops::Range;
 
 /// Checks whether an LTL formula holds on all fair paths from initial nodes.
 ///
@@ -83,6 +84,8 @@ struct Product {
     edges: Vec<u32>,
     /// For each obligation, the edges that postpone it.
     postponing: Vec<Bits>,
+    /// The nodes whose state of the automaton can recur. Only they can be on fair cycles.
+    recurrent: Bits,
     /// A node at which the formula is violated, whatever fair path follows.
     decided: Option<u32>,
 }
@@ -130,22 +133,46 @@ impl Pairs {
         self.stored * 4 * BLOCK + self.ids.len() * self.blocks * size_of::<usize>()
     }
 
-    #[inline]
     fn id(&mut self, node: u32, state: u32) -> u32 {
+        self.of_state(state).id(node)
+    }
+
+    fn of_state(&mut self, state: u32) -> PairsOfState<'_> {
         while self.ids.len() <= state as usize {
             let blocks = std::iter::repeat_with(|| None).take(self.blocks);
             self.ids.push(blocks.collect());
         }
-        let block = &mut self.ids[state as usize][node as usize / BLOCK];
-        let block = block.get_or_insert_with(|| {
-            self.stored += 1;
+        PairsOfState {
+            state,
+            ids: &mut self.ids[state as usize],
+            stored: &mut self.stored,
+            nodes: &mut self.nodes,
+            states: &mut self.states,
+        }
+    }
+}
+
+/// The pairs with one state.
+struct PairsOfState<'a> {
+    state: u32,
+    ids: &'a mut [Option<Box<[u32; BLOCK]>>],
+    stored: &'a mut usize,
+    nodes: &'a mut Vec<u32>,
+    states: &'a mut Vec<u32>,
+}
+
+impl PairsOfState<'_> {
+    #[inline]
+    fn id(&mut self, node: u32) -> u32 {
+        let block = self.ids[node as usize / BLOCK].get_or_insert_with(|| {
+            *self.stored += 1;
             Box::new([u32::MAX; BLOCK])
         });
         let id = &mut block[node as usize % BLOCK];
         if *id == u32::MAX {
             *id = self.nodes.len() as u32;
             self.nodes.push(node);
-            self.states.push(state);
+            self.states.push(self.state);
         }
         *id
     }
@@ -193,6 +220,7 @@ impl Product {
                 nodes: Vec::new(),
                 edges: Vec::new(),
                 postponing: Vec::new(),
+                recurrent: Bits::default(),
                 decided: None,
             },
         };
@@ -236,7 +264,7 @@ impl Product {
     }
 
     fn components(&self, constraints: &[Constraint<'_>]) -> FairComponents {
-        fair_components(&self.rows, &Bits::full(self.nodes.len()), constraints)
+        fair_components(&self.rows, &self.recurrent, constraints)
     }
 
     /// Returns a shortest lasso that satisfies fairness and postpones nothing for ever.
@@ -273,6 +301,10 @@ impl ProductBuilder<'_> {
         let postponing = self.postponing.into_iter();
         let postponing = postponing.map(|words| Bits::from_words(edge_count, words));
         self.product.postponing = postponing.collect();
+        let recurrent = self.automaton.recurrent_states();
+        let states = &self.pairs.states;
+        let is_recurrent = |node: usize| recurrent.contains(states[node] as usize);
+        self.product.recurrent = Bits::from_fn(states.len(), is_recurrent);
         self.product.nodes = self.pairs.nodes;
         Ok(self.product)
     }
@@ -300,14 +332,18 @@ impl ProductBuilder<'_> {
             if step.is_final {
                 product.decided = Some(id);
             }
+            let begin = product.rows.edge_count();
+            let mut pairs = self.pairs.of_state(step.target);
             let edges = self.graph.edges(node).zip(self.graph.successors(node));
             for (edge, target) in edges.filter(|(_, target)| self.fair.contains(**target)) {
-                let added = product.rows.edge_count();
-                product.rows.push(self.pairs.id(*target, step.target));
+                product.rows.push(pairs.id(*target));
                 product.edges.push(edge as u32);
-                for until in step.postponed.ones() {
-                    mark(&mut self.postponing[until], added);
-                }
+            }
+            for until in &step.postponed {
+                mark(
+                    &mut self.postponing[*until],
+                    begin..product.rows.edge_count(),
+                );
             }
         }
         product.rows.end_node();
@@ -324,11 +360,10 @@ impl ProductBuilder<'_> {
     }
 }
 
-/// Sets a bit.
-#[inline]
-fn mark(words: &mut Vec<u64>, bit: usize) {
-    if words.len() <= bit / 64 {
-        words.resize(bit / 64 + 1, 0);
+/// Sets bits.
+fn mark(words: &mut Vec<u64>, bits: Range<usize>) {
+    words.resize(bits.end.div_ceil(64), 0);
+    for bit in bits {
+        words[bit / 64] |= 1 << (bit % 64);
     }
-    words[bit / 64] |= 1 << (bit % 64);
 }

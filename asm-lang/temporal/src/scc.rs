@@ -1,5 +1,6 @@
 //! Strongly connected components, without recursion.
 
+use crate::bits::Bits;
 use crate::rows::SparseRows;
 
 /// Strongly connected components, each after those that it reaches.
@@ -30,7 +31,7 @@ struct OpenNode {
 ///
 /// The algorithm is Pearce's space-efficient variant of Tarjan's ("A space-efficient algorithm for finding strongly connected
 /// components", 2016): one number for each node, which is the position on the search path while the node is unfinished, and is
-/// larger than every such position afterwards.
+/// larger than every such position afterwards. Nodes outside of the subgraph have such a number from the beginning.
 pub(crate) struct ComponentSearch {
     ranks: Vec<u32>,
     visits: Vec<OpenNode>,
@@ -40,19 +41,18 @@ pub(crate) struct ComponentSearch {
 impl ComponentSearch {
     pub(crate) fn new(node_count: usize) -> Self {
         Self {
-            ranks: vec![0; node_count],
+            ranks: vec![u32::MAX; node_count],
             visits: Vec::new(),
             unfinished: Vec::new(),
         }
     }
 
-    /// Returns the components of the subgraph with these nodes and the edges for which `is_inside` holds, given the edge and its
-    /// target, which is one of the nodes.
+    /// Returns the components of the subgraph with these nodes and the edges between them that are not excluded.
     pub(crate) fn components(
         &mut self,
         rows: &SparseRows,
         nodes: &[u32],
-        is_inside: impl Fn(usize, u32) -> bool,
+        excluded: Option<&Bits>,
     ) -> Components {
         let mut found = Components::default();
         for node in nodes {
@@ -63,7 +63,7 @@ impl ComponentSearch {
         for node in nodes {
             if self.ranks[*node as usize] == 0 {
                 self.enter(rows, *node, &mut next);
-                self.visit(rows, &is_inside, &mut next, &mut finished, &mut found);
+                self.visit(rows, excluded, &mut next, &mut finished, &mut found);
             }
         }
         found
@@ -85,7 +85,7 @@ impl ComponentSearch {
     fn visit(
         &mut self,
         rows: &SparseRows,
-        is_inside: &impl Fn(usize, u32) -> bool,
+        excluded: Option<&Bits>,
         next: &mut u32,
         finished: &mut u32,
         found: &mut Components,
@@ -103,7 +103,7 @@ impl ComponentSearch {
                 continue;
             }
             let target = targets[visit.edge as usize];
-            if !is_inside(visit.edge as usize, target) {
+            if excluded.is_some_and(|it| it.contains(visit.edge as usize)) {
                 visit.edge += 1;
                 continue;
             }

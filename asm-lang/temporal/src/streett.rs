@@ -87,14 +87,10 @@ pub(crate) fn fair_components(
         members: Bits::new(rows.node_count()),
     };
     let mut search = ComponentSearch::new(rows.node_count());
-    let mut regions = 1;
-    let all: Vec<u32> = within.ones().map(|node| node as u32).collect();
-    assign(&mut found, &all, regions);
-    let mut rest = vec![(regions, all)];
-    while let Some((region, nodes)) = rest.pop() {
-        let components = search.components(rows, &nodes, |edge, target| {
-            found.is_inside(region, edge, target)
-        });
+    let mut regions = 0;
+    let mut rest: Vec<Vec<u32>> = vec![within.ones().map(|node| node as u32).collect()];
+    while let Some(nodes) = rest.pop() {
+        let components = search.components(rows, &nodes, found.excluded.as_ref());
         assign(&mut found, &nodes, 0);
         for nodes in components.iter() {
             if found.is_trivial(rows, nodes) {
@@ -109,7 +105,7 @@ pub(crate) fn fair_components(
                     }
                 }
                 Judgement::Unfair => assign(&mut found, nodes, 0),
-                Judgement::Reduced(nodes) => rest.push((regions, nodes)),
+                Judgement::Reduced(nodes) => rest.push(nodes),
             }
         }
     }
@@ -166,6 +162,5 @@ fn judge(
         }
     }
     assign(found, nodes, 0);
-    assign(found, &kept, region);
     Judgement::Reduced(kept)
 }
