@@ -41,9 +41,11 @@ impl Nusmv {
             return false;
         }
         let mut command = self.command();
-        // without a model it reads commands
         command.arg("-h").stdin(Stdio::null());
-        command.output().is_ok()
+        command.output().is_ok_and(|greeting| {
+            let text = [greeting.stdout, greeting.stderr].concat();
+            String::from_utf8_lossy(&text).contains("This is NuSMV")
+        })
     }
 
     /// Returns a command to which arguments of NuSMV can be added.
