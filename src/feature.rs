@@ -54,7 +54,9 @@ impl Feature for Tui {
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{brings} is not in this build: it needs the feature `{feature}`\n  \
-     `cargo install --path . --features {feature}` adds it, `--features full` adds everything"
+     asmotion itself: `cargo install --path . --features {feature}` adds it, `--features full` adds everything\n  \
+     a program of your own: `cargo run --features {feature} -- …`, with `{feature} = [\"asmotion/{feature}\"]` in the \
+     `[features]` of its Cargo.toml"
 )]
 pub struct LeftOut {
     brings: &'static str,
@@ -174,6 +176,12 @@ mod tests {
     fn what_is_missing_says_how_to_get_it() {
         let said = LeftOut::new::<Scdl>().to_string();
         assert!(said.starts_with("the reader and writer of SCDL is not in this build"));
-        assert!(said.contains("--features scdl`"), "{said}");
+        for way in [
+            "cargo install --path . --features scdl`",
+            "cargo run --features scdl -- …`",
+            "`scdl = [\"asmotion/scdl\"]` in the `[features]` of its Cargo.toml",
+        ] {
+            assert!(said.contains(way), "{said}");
+        }
     }
 }

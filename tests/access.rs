@@ -43,6 +43,31 @@ fn credentials(folder: &Path, text: &str) -> PathBuf {
 }
 
 #[test]
+fn a_process_without_a_broker_says_that_the_variable_is_not_read() {
+    let composite = "specs/navigation/navigation.composite.toml";
+    let run = |address: Option<&str>| {
+        let mut command = asmotion(&["run", composite, "--process", "onboard"]);
+        command.current_dir(env!("CARGO_MANIFEST_DIR"));
+        let output = command.envs(address.map(|it| ("ASMOTION_BUS", it)));
+        let output = output.output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        text(&output)
+    };
+    let said = run(None);
+    assert!(
+        said.contains("add `--bus amqp://user@host:port/vhost`, or"),
+        "{said}"
+    );
+    let said = run(Some("amqp://rover:secret@desk:5672/cell"));
+    assert!(
+        said.contains(
+            "add `--bus $ASMOTION_BUS`, which only the commands on a running system read"
+        ) && !said.contains("secret"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_password_from_the_environment_or_a_file_lets_in_and_is_told_nowhere() {
     let Some(broker) = asmotion_broker::calm() else {
         return;

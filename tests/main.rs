@@ -16,6 +16,7 @@ mod cli;
 mod composites;
 mod describe;
 mod documents;
+mod extending;
 mod faults;
 mod fleet;
 mod gateway;

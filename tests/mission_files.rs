@@ -139,6 +139,85 @@ fn names_that_the_composite_does_not_have_are_reported_with_their_place() {
     }
 }
 
+/// A coordinator whose fourth step fails and publishes the reason, and its mission with these expectations.
+fn test_problem(expectations: &str) -> (Option<i32>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let specification = "\
+asm grasp
+import StandardLibrary
+signature:
+  enum domain Mode = {CLOSING | FAILED}
+  out problem: String
+  controlled mode: Mode
+  controlled tries: Integer
+definitions:
+  main rule r_Main =
+    if mode = CLOSING then
+      if tries < 3 then
+        tries := tries + 1
+      else
+        par
+          mode := FAILED
+          problem := \"not held\"
+        endpar
+      endif
+    endif
+default init s0:
+  function mode = CLOSING
+  function tries = 0
+";
+    let composite = r#"
+schema = "composite/1"
+[composite]
+name = "grasp"
+[components.Coordinator]
+implementation = { asm = "grasp.asm" }
+task = { period_ms = 20 }
+publish = { problem = "std_msgs/String" }
+[components.Coordinator.bind.out]
+problem = { topic = "problem", publish = "on_change" }
+"#;
+    let mission = format!(
+        "schema = \"mission/1\"\ncomposite = \"grasp.composite.toml\"\n\
+         end = \"Coordinator.mode = FAILED\"\n{expectations}"
+    );
+    for (name, text) in [
+        ("grasp.asm", specification),
+        ("grasp.composite.toml", composite),
+        ("grasp.mission.toml", &mission),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    test(folder.path(), &["grasp.mission.toml"])
+}
+
+#[test]
+fn the_step_that_ends_a_mission_counts_with_its_messages() {
+    let (code, out) = test_problem(
+        "[[expect]]\neventually = 'topic:problem.data = \"not held\"'\n\
+         [[expect]]\neventually = 'Coordinator.mode = FAILED and topic:problem.data != \"lost\"'",
+    );
+    assert_eq!(code, Some(0), "{out}");
+    let (code, out) = test_problem("[[expect]]\nnever = 'topic:problem.data = \"not held\"'");
+    assert_eq!(code, Some(1), "{out}");
+    assert!(out.contains("V033") && out.contains("0.06 s"), "{out}");
+}
+
+#[test]
+fn a_location_is_compared_with_a_text_in_quotes() {
+    let (code, out) = test_problem(
+        "[[expect]]\neventually = 'Coordinator.problem = \"not held\"'\n\
+         [[expect]]\nalways = 'Coordinator.problem != \"lost\"'",
+    );
+    assert_eq!(code, Some(0), "{out}");
+    let (code, out) = test_problem("[[expect]]\nnever = 'Coordinator.problem = \"not held\"'");
+    assert_eq!(code, Some(1), "{out}");
+    assert!(out.contains("Coordinator.problem = not held"), "{out}");
+    let (code, out) = test_problem("[[expect]]\neventually = 'Coordinator.mode = \"FALLEN\"'");
+    assert_eq!(code, Some(2), "{out}");
+    assert!(out.contains("`FALLEN` is not a value of `mode`"), "{out}");
+}
+
 #[test]
 fn an_unknown_key_is_an_error_with_a_suggestion() {
     let (code, out) = test_changed("navigation/estop", &[("within_s = 0.6", "wihtin_s = 0.6")]);

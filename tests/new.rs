@@ -1,5 +1,6 @@
 //! Projects created by `asmotion new`, outside the workspace: their checks, tests and missions pass.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
@@ -62,11 +63,82 @@ fn a_project_with_a_specification_only() {
     assert!(text.contains("OPENING → DONE"), "{text}");
 }
 
+/// The files of a new project, by their paths.
+fn new_project(name: &str, kind: &str) -> BTreeMap<String, String> {
+    let home = tempfile::tempdir().unwrap();
+    succeeds(home.path(), &["new", name, kind]);
+    let mut files = BTreeMap::new();
+    let mut folders = vec![home.path().to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let path = path.strip_prefix(home.path()).unwrap();
+                files.insert(path.display().to_string(), text);
+            }
+        }
+    }
+    files
+}
+
+#[test]
+fn a_name_may_contain_the_word_of_the_templates() {
+    for (name, other) in [
+        ("gripper", "xyz"),
+        ("gripper2", "xyz2"),
+        ("mygripper", "myxyz"),
+        ("my-gripper", "my-xyz"),
+        ("parallel-gripper", "parallel-xyz"),
+        ("gripper-gripper", "xyz-xyz"),
+    ] {
+        for kind in ["--rust", "--python", "--spec-only"] {
+            let renamed = |text: String| text.replace("xyz", "gripper").replace("Xyz", "Gripper");
+            let expected: BTreeMap<_, _> = new_project(other, kind)
+                .into_iter()
+                .map(|(path, text)| (renamed(path), renamed(text)))
+                .collect();
+            assert_eq!(new_project(name, kind), expected, "{name} {kind}");
+        }
+    }
+    let lib = &new_project("gripper2", "--rust")["gripper2/src/lib.rs"];
+    assert!(
+        lib.contains(".component(\"gripper2::Gripper2\", Gripper2::new)"),
+        "{lib}"
+    );
+}
+
+#[test]
+fn a_program_has_the_features_of_asmotion() {
+    let manifest = |text: &str| text.parse::<toml::Table>().unwrap();
+    let project = manifest(&new_project("left-arm", "--rust")["left-arm/Cargo.toml"]);
+    let own = manifest(include_str!("../Cargo.toml"));
+    let defaults = own["features"]["default"].as_array().unwrap();
+    let left_out = own["features"].as_table().unwrap().keys();
+    let left_out = left_out
+        .filter(|name| *name != "default" && !defaults.iter().any(|it| it.as_str() == Some(name)));
+    let expected: toml::Table = left_out
+        .map(|name| (name.clone(), vec![format!("asmotion/{name}")].into()))
+        .collect();
+    assert_eq!(project["features"].as_table(), Some(&expected));
+}
+
 #[test]
 fn a_project_in_python_passes_its_tests_and_missions() {
     let home = tempfile::tempdir().unwrap();
     let text = succeeds(home.path(), &["new", "left-arm", "--python"]);
-    assert!(text.contains("not on PyPI yet"), "{text}");
+    let environment = "python3 -m venv .venv && . .venv/bin/activate && pip install ";
+    assert!(
+        text.contains("not on PyPI yet") && text.contains(&format!("{environment}FOLDER/python")),
+        "{text}"
+    );
+    let source = env!("CARGO_MANIFEST_DIR");
+    let other = ["new", "right-arm", "--python", "--source", source];
+    let text = succeeds(home.path(), &other);
+    let next = format!("cd right-arm && {environment}{source}/python && python3 -m unittest");
+    assert!(text.contains(&next), "{text}");
     let project = home.path().join("left-arm");
     succeeds(&project, &["new", "component", "wrist"]);
     assert!(!contents(&project).to_lowercase().contains("gripper"));

@@ -98,7 +98,12 @@ impl Up {
     ) -> Result<Vec<SupervisedProcess>, String> {
         if let ([process, _, ..], None, []) = (&*plan.processes, &self.bus, &*plan.brokers) {
             let process = process.name.clone();
-            return Err(MissionError::NeedsBroker { process }.to_string());
+            let has_variable = std::env::var_os("ASMOTION_BUS").is_some();
+            let needs = MissionError::NeedsBroker {
+                process,
+                has_variable,
+            };
+            return Err(needs.to_string());
         }
         let is_here = |it: &&Process| it.host.as_ref().is_none_or(|host| *host == here);
         let (mine, elsewhere): (Vec<_>, Vec<_>) = plan.processes.iter().partition(is_here);

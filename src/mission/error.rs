@@ -51,6 +51,8 @@ pub enum MissionError {
     NeedsBroker {
         /// The process that was to run.
         process: String,
+        /// Whether the environment variable ASMOTION_BUS is set, which a run does not read.
+        has_variable: bool,
     },
     /// The broker is unreachable or refuses the connection.
     Broker {
@@ -141,10 +143,21 @@ impl fmt::Display for MissionError {
                     "unknown process `{requested}`; the processes are {available}{suggestion}"
                 )
             }
-            Self::NeedsBroker { process } => write!(
-                to,
-                "`{process}` is one of several processes, which communicate over a broker: add `--bus amqp://user@host:port/vhost`, or remove `--process` to run all of them in one"
-            ),
+            Self::NeedsBroker {
+                process,
+                has_variable,
+            } => {
+                let (address, hint) = if *has_variable {
+                    let hint = ", which only the commands on a running system read by themselves";
+                    ("$ASMOTION_BUS", hint)
+                } else {
+                    ("amqp://user@host:port/vhost", "")
+                };
+                write!(
+                    to,
+                    "`{process}` is one of several processes, which communicate over a broker: add `--bus {address}`{hint}, or remove `--process` to run all of them in one"
+                )
+            }
             Self::Broker { location, reason } => write!(
                 to,
                 "broker at {location}: {reason}\n  `asmotion doctor` shows how to fix it; `--bus local` runs without a broker"

@@ -92,6 +92,7 @@ impl Mission {
             }),
             (Some(_), false) if plan.processes.len() > 1 => Err(MissionError::NeedsBroker {
                 process: requested.clone(),
+                has_variable: std::env::var_os("ASMOTION_BUS").is_some(),
             }),
             (Some(_), false) => Ok(Part::Whole),
             (Some(process), true) => Ok(Part::of(process)),

@@ -46,6 +46,7 @@ mod stand_in;
 
 pub use observed::{BenchCycle, ObservedCall};
 
+use std::fmt;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -92,7 +93,9 @@ enum Stage {
 }
 
 /// The reason that a bench cannot drive its component.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+///
+/// `Debug` writes the same text as `Display`: a test that returns an error shows it with `Debug`.
+#[derive(Clone, PartialEq, thiserror::Error)]
 pub enum BenchError {
     /// The component's declarations contradict each other, or a property is refused before the start.
     #[error(transparent)]
@@ -116,6 +119,12 @@ pub enum BenchError {
         /// Its newest fault.
         fault: Option<Fault>,
     },
+}
+
+impl fmt::Debug for BenchError {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, to)
+    }
 }
 
 fn reason(fault: &Option<Fault>) -> String {

@@ -267,6 +267,8 @@ fn mistakes_of_a_test_are_named() {
         .cycle()
         .unwrap_err();
     assert!(error.to_string().contains("factor"), "{error}");
+    // as a test shows it that returns the error
+    assert_eq!(format!("{error:?}"), error.to_string());
     assert!(bench.call::<Double>("lost", Number::default()).is_err());
     let zero = Bench::new(Multiplier::new).set("factor", 0.0).cycle();
     assert!(

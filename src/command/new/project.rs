@@ -11,6 +11,9 @@ pub(super) struct NewFile {
     pub text: String,
 }
 
+/// Creates and enters the virtual environment of a project in Python: Debian's own is not for packages of others.
+const ENVIRONMENT: &str = "python3 -m venv .venv && . .venv/bin/activate";
+
 /// Language of the component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ProjectKind {
@@ -29,7 +32,11 @@ impl ProjectKind {
         };
         match source {
             Some(source) if self == Self::Python => {
-                format!("pip install {} && {test}", source.join("python").display())
+                let package = source.join("python");
+                format!(
+                    "{ENVIRONMENT} && pip install {} && {test}",
+                    package.display()
+                )
             }
             _ => test.to_owned(),
         }
@@ -42,7 +49,7 @@ impl ProjectKind {
                 "asmotion is not on crates.io yet: `--source FOLDER` makes the project depend on its source code",
             ),
             Self::Python => Some(
-                "asmotion is not on PyPI yet: install it from its source code with `pip install FOLDER/python`",
+                "asmotion is not on PyPI yet: install it from its source code, with `python3 -m venv .venv && . .venv/bin/activate && pip install FOLDER/python`",
             ),
             Self::Specification => None,
         }
@@ -93,9 +100,10 @@ impl ProjectName {
         self.0.join(" ")
     }
 
-    /// Replaces the name of the templates.
+    /// Replaces the name of the templates. The text is read once, so a name may contain the word that it replaces.
     pub(super) fn apply(&self, text: &str) -> String {
-        let prose = [
+        // where two begin at one place, the first
+        let placeholders = [
             ("a gripper", format!("a {}", self.plain())),
             ("A gripper", format!("A {}", self.plain())),
             ("the gripper", format!("the {}", self.plain())),
@@ -106,9 +114,20 @@ impl ProjectName {
             ("Gripper", self.camel()),
             ("gripper", self.snake()),
         ];
-        prose.iter().fold(text.to_owned(), |text, (word, name)| {
-            text.replace(word, name)
-        })
+        let mut replaced = String::new();
+        let mut rest = text;
+        let next = |rest: &str| {
+            let found = placeholders
+                .iter()
+                .filter_map(|(word, name)| Some((rest.find(word)?, word.len(), name)));
+            found.min_by_key(|(at, ..)| *at)
+        };
+        while let Some((at, length, name)) = next(rest) {
+            replaced.push_str(&rest[..at]);
+            replaced.push_str(name);
+            rest = &rest[at + length..];
+        }
+        replaced + rest
     }
 }
 

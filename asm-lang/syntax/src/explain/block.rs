@@ -28,7 +28,8 @@ impl<'input> Explainer<'input, '_> {
         if !outside {
             return None;
         }
-        if found.1 == Token::Keyword(Keyword::Default) && expected.has("otherwise") {
+        let is_default = found.1 == Token::Keyword(Keyword::Default);
+        if is_default && expected.has("otherwise") && !self.precedes_init(found) {
             return Some(
                 ForeignSign {
                     found: "default".to_owned(),
@@ -71,6 +72,12 @@ impl<'input> Explainer<'input, '_> {
             }
             .diagnostic(),
         )
+    }
+
+    /// Returns `true` if the next word is `init`, so that `default` begins the section of initial states.
+    fn precedes_init(&self, found: SpannedToken<'_>) -> bool {
+        let mut words = self.behind(found).split(char::is_whitespace);
+        words.next() == Some("init")
     }
 
     /// A closing token without an opening one.

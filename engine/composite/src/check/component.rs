@@ -298,7 +298,7 @@ fn program(
                 what: "program",
                 name: command.value.clone(),
                 at: command.span,
-                instead: Some(NOT_ASKED),
+                instead: Some(NOT_ASKED.to_owned()),
             });
             listed(component, report)
         }
@@ -340,7 +340,7 @@ fn outside(what: &'static str, name: &At<String>, report: &mut Report) {
         what,
         name: name.value.clone(),
         at: name.span,
-        instead: Some(OUTSIDE),
+        instead: Some(OUTSIDE.to_owned()),
     });
 }
 
@@ -370,7 +370,11 @@ fn absent(scene: &CheckedComposite<'_>, name: &At<String>, report: &mut Report) 
             what,
             name: name.value.clone(),
             at,
-            instead: None,
+            instead: Some(format!(
+                "add `.component(\"{}\", …)` to the `App` of a program of your own (docs/extending.md), or run the \
+                 program that contains it",
+                name.value
+            )),
         }),
     }
 }

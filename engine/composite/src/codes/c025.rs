@@ -36,7 +36,7 @@ pub(crate) struct ImplementationNotInBuild {
     pub name: String,
     pub at: Span,
     /// Way out without it.
-    pub instead: Option<&'static str>,
+    pub instead: Option<String>,
 }
 
 impl Finding for ImplementationNotInBuild {
@@ -44,8 +44,8 @@ impl Finding for ImplementationNotInBuild {
         let diagnostic = diagnostic
             .label(self.at, "not verified by this build")
             .note("this build can check the composite, but not start it");
-        match self.instead {
-            Some(instead) => diagnostic.help(instead),
+        match &self.instead {
+            Some(instead) => diagnostic.help(instead.clone()),
             None => diagnostic,
         }
     }

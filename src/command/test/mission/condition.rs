@@ -104,13 +104,21 @@ impl Relation {
 }
 
 impl ObservedValue {
-    /// The value of a location or a literal, from its text.
+    /// The value of a literal without quotes, or of a location that is no element of String.
     pub(super) fn of_text(text: &str) -> Self {
         match (text.parse(), text) {
             (Ok(number), _) => Self::Number(number),
             (Err(_), "true") => Self::Truth(true),
             (Err(_), "false") => Self::Truth(false),
             (Err(_), text) => Self::Text(text.to_owned()),
+        }
+    }
+
+    /// The value of a location in the notation of traces, where elements of String have quotes.
+    pub(super) fn of_location(text: &str) -> Self {
+        match serde_json::from_str::<String>(text) {
+            Ok(unquoted) => Self::Text(unquoted),
+            Err(_) => Self::of_text(text),
         }
     }
 

@@ -35,8 +35,11 @@ pub(super) struct RunMonitor {
     pub end: Option<usize>,
     /// Set once all components have been started.
     pub started: bool,
-    /// Time at which the end condition became true, or at which the run ended.
+    /// Time at which the end condition became true, or at which the run ended. Events of this instant still count: a step
+    /// that ends the mission sends its messages after its updates.
     pub ended: Option<Time>,
+    /// Set once everything open has been decided.
+    finished: bool,
 }
 
 impl RunMonitor {
@@ -55,7 +58,7 @@ impl RunMonitor {
 
     /// Takes an event of the run.
     pub(super) fn observe(&mut self, at: Time, event: &Event<'_>) {
-        if self.ended.is_some() {
+        if self.finished || self.ended.is_some_and(|ended| at > ended) {
             return;
         }
         let mut is_new = false;
@@ -77,7 +80,9 @@ impl RunMonitor {
             expectation.decide(at, &self.truths);
         }
         self.collect_evidence();
-        self.trigger(at);
+        if self.ended.is_none() {
+            self.trigger(at);
+        }
     }
 
     /// Decides what is open at the end of the run. Later events are those of the shutdown.
@@ -85,6 +90,7 @@ impl RunMonitor {
         if !self.started {
             self.start();
         }
+        self.finished = true;
         let at = *self.ended.get_or_insert(now);
         self.pass(at);
         for expectation in &mut self.expectations {

@@ -209,5 +209,5 @@ fn updated(component: &str, location: &str, event: &Event<'_>) -> Option<Observe
     let step: StepRecord = data.to().ok()?;
     let mut updates = step.updates.iter();
     let update = updates.find(|update| update.location == location)?;
-    Some(ObservedValue::of_text(&update.after))
+    Some(ObservedValue::of_location(&update.after))
 }

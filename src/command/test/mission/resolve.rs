@@ -6,6 +6,7 @@ use asmotion_component::{State, Time};
 use asmotion_composite::At;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Span, similar};
+use asmotion_lang::ir::ValueShape;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::AwaitedUpdate;
 use asmotion_plan::{Component, Implementation, Plan};
@@ -95,7 +96,7 @@ impl<'p> PlanNames<'p> {
         let value = state
             .into_iter()
             .find(|(known, _)| *known == location.value);
-        let value = value.map(|(_, value)| ObservedValue::of_text(&value));
+        let value = value.map(|(_, value)| ObservedValue::of_location(&value));
         let observation = Observation::Location {
             component: component.name.clone(),
             location: location.value,
@@ -163,7 +164,15 @@ impl<'p> PlanNames<'p> {
                 location,
             } => {
                 let machine = &self.machines[&**component];
-                let fits = AwaitedUpdate::of(machine, location, &with.to_string());
+                let value = match with {
+                    ObservedValue::Text(text) if is_text(machine, location) => {
+                        serde_json::Value::from(text.as_str()).to_string()
+                    }
+                    ObservedValue::Text(_) | ObservedValue::Number(_) | ObservedValue::Truth(_) => {
+                        with.to_string()
+                    }
+                };
+                let fits = AwaitedUpdate::of(machine, location, &value);
                 fits.map(drop)
                     .map_err(|reason| invalid(reason.to_string(), at))
             }
@@ -405,6 +414,16 @@ impl<'p> PlanNames<'p> {
         self.values.push(value);
         self.operands.len() - 1
     }
+}
+
+/// Whether the values of a location are elements of String, which have quotes in the notation of traces.
+fn is_text(machine: &Machine, location: &str) -> bool {
+    let name = location.split('(').next().unwrap_or_default();
+    let program = machine.program();
+    let mut functions = program.functions.iter().zip(&program.symbols.functions);
+    functions.any(|(function, known)| {
+        function.own && **known == *name && function.codomain == ValueShape::Text
+    })
 }
 
 /// A location in the notation of traces: `doing(ROB1, TASK2)`.
