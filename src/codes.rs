@@ -12,7 +12,7 @@ pub(crate) mod v036;
 use asmotion_diagnostics::Code;
 
 /// The first letters of the codes, in the order of the list.
-const FAMILIES: &str = "LAWRSVCX";
+const FAMILIES: &str = "LAWRSMVCX";
 
 /// The codes of SCDL, if this build includes it.
 #[cfg(feature = "scdl")]
@@ -24,6 +24,7 @@ const OF_SCDL: &[&Code] = &[];
 pub fn all() -> impl Iterator<Item = &'static Code> {
     let language = asmotion_lang::codes::all();
     let others = [
+        asmotion_verify::CODES,
         asmotion_composite::CODES,
         asmotion_plan::CODES,
         OF_SCDL,

@@ -32,6 +32,7 @@ mod top;
 #[cfg(feature = "amqp")]
 mod topic;
 mod up;
+mod verify;
 
 pub use demo::BLOCKED_CORRIDOR;
 
@@ -107,6 +108,8 @@ pub enum Command {
     Fmt(fmt::Fmt),
     /// Simulates a specification with scripted or random inputs
     Sim(sim::Sim),
+    /// Proves properties of specifications for all inputs and choices
+    Verify(Box<verify::Verify>),
     /// Steps a specification interactively: sets inputs, evaluates terms, undoes steps
     Repl(repl::Repl),
     /// Runs scenarios and missions
@@ -145,6 +148,7 @@ impl Command {
             Self::New(new) => new.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
+            Self::Verify(verify) => verify.run(terminal),
             Self::Repl(repl) => repl.run(terminal),
             Self::Test(test) => test.run(build, terminal),
             Self::Topic(topic) => topic.run(build, terminal),

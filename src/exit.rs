@@ -15,6 +15,8 @@ pub enum Exit {
     Usage,
     /// A step failed at run time.
     Fault,
+    /// A property is not known to hold, because not all states were explored.
+    Undecided,
 }
 
 impl Exit {
@@ -35,6 +37,7 @@ impl From<Exit> for ExitCode {
             Exit::Findings => 1,
             Exit::Usage => 2,
             Exit::Fault => 3,
+            Exit::Undecided => 4,
         })
     }
 }

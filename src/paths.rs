@@ -53,6 +53,22 @@ impl NamedFile {
     }
 }
 
+/// Returns an error text if one of the files is known to be no specification; it names the command for such files.
+pub fn other_than_specification(files: &[NamedFile]) -> Option<String> {
+    files.iter().find_map(|file| {
+        let (command, what) = match FileKind::of(&file.path)? {
+            FileKind::Composite => ("run", "a composite"),
+            FileKind::Scenario | FileKind::Script => ("test", "a scenario"),
+            FileKind::Mission => ("test", "a mission"),
+            FileKind::Specification => return None,
+        };
+        let path = file.text();
+        Some(format!(
+            "`{path}` is {what}: `asmotion {command} {path}` runs it"
+        ))
+    })
+}
+
 /// A file or folder that cannot be worked on.
 #[derive(Debug)]
 pub struct PathError {

@@ -132,6 +132,7 @@ fn acme() {
             Exit::Findings => 1,
             Exit::Usage => 2,
             Exit::Fault => 3,
+            Exit::Undecided => 4,
         });
     }
 }

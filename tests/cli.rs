@@ -11,6 +11,7 @@ mod paths;
 mod replay;
 mod run;
 mod sim;
+mod verify;
 
 use assert_cmd::Command;
 

@@ -27,7 +27,7 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-machine"],
     &["asmotion-simulate", "asmotion-native"],
     &["asmotion-lang"],
-    &["asmotion-properties"],
+    &["asmotion-properties", "asmotion-verify"],
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
     &["asmotion-bus"],

@@ -44,6 +44,7 @@ definitions:
 				order($r) := $t
 			endpar
 
+	//@Final DONE
 	CTLSPEC ag(not (doing(ROB1, TASK1) and doing(ROB2, TASK1)))
 	CTLSPEC ag(not (doing(ROB1, TASK2) and doing(ROB2, TASK2)))
 	CTLSPEC ag(not (doing(ROB1, TASK1) and doing(ROB1, TASK2)))

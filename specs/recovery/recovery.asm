@@ -43,6 +43,7 @@ definitions:
 		endif
 
 	// a retry must cancel the previous call, or else the action may be executed twice (PlanSys2 #400)
+	//@Final SUCCESS GIVE_UP
 	CTLSPEC ag((sendCall and outstanding) implies mode = WAIT)
 	CTLSPEC ag(mode = CALL implies not outstanding)
 	CTLSPEC ag(mode = RECOVERING implies not outstanding)

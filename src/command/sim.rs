@@ -7,7 +7,7 @@ use super::tool::Tool;
 use crate::codes::s000::UnreadableScript;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
-use crate::paths::{FileKind, named_files};
+use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::TerminalOutput;
 use crate::trace::{RecordedRun, RecordedUpdates, ReplayError, is_run_trace, recorded_run};
 use asmotion_diagnostics::Finding;
@@ -141,17 +141,8 @@ impl Sim {
                 return Exit::Usage;
             }
         };
-        for file in &files {
-            let (command, what) = match FileKind::of(&file.path) {
-                Some(FileKind::Composite) => ("run", "a composite"),
-                Some(FileKind::Scenario | FileKind::Script) => ("test", "a scenario"),
-                Some(FileKind::Mission) => ("test", "a mission"),
-                Some(FileKind::Specification) | None => continue,
-            };
-            let path = file.text();
-            terminal.error(format_args!(
-                "`{path}` is {what}: `asmotion {command} {path}` runs it"
-            ));
+        if let Some(error) = other_than_specification(&files) {
+            terminal.error(error);
             return Exit::Usage;
         }
         match files.as_slice() {

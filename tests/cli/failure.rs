@@ -143,7 +143,7 @@ fn properties_that_are_not_verified_are_said_before_the_start() {
     assert_eq!(code, 0, "{out}{err}");
     let warning = err.find("W031").expect("the warning");
     assert!(
-        err.contains("2 temporal properties, none verified"),
+        err.contains("2 temporal properties, which runs do not check"),
         "{err}"
     );
     assert!(

@@ -8,7 +8,7 @@
 use crate::addition::{AddedRule, AddedTerm, Assignment};
 use crate::codes::a016::WritesFixed;
 use crate::declare::SignatureTables;
-use crate::model::{Body, FunctionId, Meaning, Model, Term, TermKind, kind_name};
+use crate::model::{Body, Expression, FunctionId, Meaning, Model, Term, TermKind, kind_name};
 use crate::resolver::Resolver;
 use crate::scope::Scope;
 use crate::types::{Type, TypeId};
@@ -108,6 +108,11 @@ impl Model {
             variables,
             root: part,
         })
+    }
+
+    /// Adds a term that consists of resolved parts.
+    pub fn add_resolved(&mut self, term: Expression) -> AddedTerm {
+        self.added.term(term)
     }
 
     /// Removes all added parts but the first `terms` terms and `rules` rules.

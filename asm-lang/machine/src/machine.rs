@@ -117,6 +117,8 @@ pub(crate) struct Scratch {
     locals: Vec<Value>,
     stack: Vec<Value>,
     before: Vec<Value>,
+    /// Number of steps and of atoms in the reserve before the last step.
+    begun_at: (u64, usize),
     /// `true` if the last step wrote and replaced only scalars, so that no value needs to be
     /// dropped.
     is_plain: bool,
@@ -311,6 +313,7 @@ impl Machine {
         self.scratch.updates.begin(self.state.len());
         self.state.forget_uncommitted();
         let reserve = self.state.store.reserve.len();
+        self.scratch.begun_at = (self.steps, reserve);
         if !self.is_complete {
             self.initialise_with_inputs(environment, now_ns)?;
         }
@@ -419,6 +422,44 @@ impl Machine {
                     .push(Value::Atom(atom));
             }
         }
+    }
+
+    /// Returns `true` if [`Machine::revert`] can reverse the next step: it changes nothing but locations and extents.
+    pub fn can_revert(&self) -> bool {
+        self.is_complete
+            && self.program.messages.is_none()
+            && !self.program.compatible
+            && !self.code.layout.keeps_inputs
+            && (self.steps > 0 || !self.code.layout.first_differs)
+    }
+
+    /// Reverses the last step, which [`Machine::can_revert`] permitted before it. After a failed step this has no effect,
+    /// except for a violated invariant, before which the step was completed.
+    ///
+    /// Accessed locations remain: they have no influence on later steps. The record of the step remains as well.
+    pub fn revert(&mut self) {
+        let Scratch {
+            updates,
+            before,
+            begun_at: (steps, reserve),
+            is_plain,
+            ..
+        } = &mut self.scratch;
+        let slots = &mut self.state.store.slots;
+        for (update, before) in updates.list.iter().zip(before.iter_mut()) {
+            slots[update.slot as usize] = std::mem::take(before);
+        }
+        if self.steps > *steps {
+            for &(domain, _) in updates.extended.iter().rev() {
+                for &domain in &self.code.supers[domain.0 as usize] {
+                    Arc::make_mut(&mut self.state.store.extents[domain.0 as usize]).pop();
+                }
+            }
+            self.state.store.reserve.truncate(*reserve);
+        }
+        before.clear();
+        *is_plain = false;
+        self.steps = *steps;
     }
 
     /// Runs `work` in the context of a step.

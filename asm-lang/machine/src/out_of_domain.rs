@@ -70,6 +70,44 @@ impl Machine {
         })
     }
 
+    /// Evaluates several terms like [`Machine::evaluate`], at less cost for each. The environment is asked at most once for an
+    /// input that several of them need.
+    ///
+    /// # Errors
+    /// The evaluation of a term fails: its index in `terms`, and the fault.
+    pub fn evaluate_each(
+        &mut self,
+        terms: &[AddedTerm],
+        environment: &mut dyn Environment,
+        now_ns: i64,
+        values: &mut Vec<Value>,
+    ) -> Result<(), (usize, Box<StepFault>)> {
+        if !self.is_complete {
+            let mut complete = self.clone();
+            complete.rounds += 1;
+            let completed = complete.initialise_with_inputs(environment, now_ns);
+            completed.map_err(|fault| (0, fault))?;
+            return complete.evaluate_each(terms, environment, now_ns, values);
+        }
+        self.rounds += 1;
+        let step = self.steps + 1;
+        let mut failed = 0;
+        let evaluated = self.outside_step(|machine| {
+            machine.run(environment, &mut FirstChoice, step, now_ns, |run| {
+                for (index, term) in terms.iter().enumerate() {
+                    let body = run.program.added_terms.get(term.0 as usize);
+                    let value = body.map_or(Value::Undef, |&body| run.call_body(body, 0));
+                    if run.fault.is_some() {
+                        failed = index;
+                        return;
+                    }
+                    values.push(value);
+                }
+            })
+        });
+        evaluated.map_err(|fault| (failed, fault))
+    }
+
     /// Checks the invariants in the current state, except assumptions about the environment.
     ///
     /// # Errors

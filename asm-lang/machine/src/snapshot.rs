@@ -86,6 +86,9 @@ const COMPLETE: u64 = 1;
 /// Flag: the first step is done, or does not differ from others.
 const BEGUN: u64 = 2;
 
+/// Id of the last message in a machine of which only the packed state is known; packed states contain ids relative to it.
+const MESSAGES: u64 = 1 << 40;
+
 /// Encodes a value like those in packed states, for data that is stored together with a snapshot.
 /// [`Machine::unpack_value`] decodes it.
 ///
@@ -119,22 +122,36 @@ impl Machine {
     ///
     /// Partners ([`Machine::set_partners`]) and coverage counts are not part of it.
     pub fn snapshot(&self) -> Snapshot {
-        let layout = &self.code.layout;
         let mut to = Writer::default();
-        let has_begun = self.steps > 0 || !layout.first_differs;
-        let complete = if self.is_complete { COMPLETE } else { 0 };
-        to.number(complete | if has_begun { BEGUN } else { 0 });
-        self.state.pack(&self.program, layout, &mut to);
-        if self.program.messages.is_some() {
-            self.messages.pack(&mut to);
-        }
+        self.pack(&mut to);
         let mut history = Writer::default();
-        self.state.pack_history(&self.program, layout, &mut history);
+        self.state
+            .pack_history(&self.program, &self.code.layout, &mut history);
         Snapshot {
             state: PackedState::new(to.bytes),
             steps: self.steps,
             messages: self.messages.last(),
             history: history.bytes.into_boxed_slice(),
+        }
+    }
+
+    /// Appends the bytes of the current [`PackedState`] to a buffer.
+    pub fn pack_state(&self, to: &mut Vec<u8>) {
+        let mut writer = Writer {
+            bytes: std::mem::take(to),
+        };
+        self.pack(&mut writer);
+        *to = writer.bytes;
+    }
+
+    fn pack(&self, to: &mut Writer) {
+        let layout = &self.code.layout;
+        let has_begun = self.steps > 0 || !layout.first_differs;
+        let complete = if self.is_complete { COMPLETE } else { 0 };
+        to.number(complete | if has_begun { BEGUN } else { 0 });
+        self.state.pack(&self.program, layout, to);
+        if self.program.messages.is_some() {
+            self.messages.pack(to);
         }
     }
 
@@ -147,27 +164,55 @@ impl Machine {
     /// # Errors
     /// The snapshot belongs to another program; the machine is unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ForeignSnapshot> {
+        let history = Some(&*snapshot.history);
+        self.restore_packed(snapshot.state.as_bytes(), snapshot.messages, history)?;
+        self.steps = snapshot.steps;
+        Ok(())
+    }
+
+    /// Returns the machine to a packed state, given by its bytes. The machine then continues like every other one in that state.
+    /// It counts one step, or none before the first step, and lists no location that has its initial value.
+    ///
+    /// # Errors
+    /// The bytes belong to another program; the machine is unchanged.
+    pub fn restore_state(&mut self, state: &[u8]) -> Result<(), ForeignSnapshot> {
+        let phase = self.restore_packed(state, MESSAGES, None)?;
+        self.steps = u64::from(phase & BEGUN != 0);
+        Ok(())
+    }
+
+    /// Replaces the state, and returns the flags of the packed one.
+    fn restore_packed(
+        &mut self,
+        state: &[u8],
+        messages: u64,
+        history: Option<&[u8]>,
+    ) -> Result<u64, ForeignSnapshot> {
         let (program, code) = (&*self.program, &*self.code);
-        let mut from = Reader::new(snapshot.state.as_bytes(), program.rules.len());
+        let mut from = Reader::new(state, program.rules.len());
         let phase = from.number().ok_or(ForeignSnapshot)?;
         let mut unpacked =
             Unpacked::read(program, &code.layout, &mut from).ok_or(ForeignSnapshot)?;
         let post = if program.messages.is_some() {
-            MessagesInTransit::unpack(&mut from, snapshot.messages).ok_or(ForeignSnapshot)?
+            MessagesInTransit::unpack(&mut from, messages).ok_or(ForeignSnapshot)?
         } else {
             MessagesInTransit::default()
         };
-        let mut history = Reader::new(&snapshot.history, program.rules.len());
-        let known = unpacked.read_history(program, &mut history);
-        if known.is_none() || !from.is_done() || !history.is_done() {
+        if let Some(history) = history {
+            let mut history = Reader::new(history, program.rules.len());
+            let known = unpacked.read_history(program, &mut history);
+            if known.is_none() || !history.is_done() {
+                return Err(ForeignSnapshot);
+            }
+        }
+        if !from.is_done() {
             return Err(ForeignSnapshot);
         }
         self.state
             .restore(program, &code.layout, &code.supers, unpacked);
         self.messages.replace_messages(post);
         self.is_complete = phase & COMPLETE != 0;
-        self.steps = snapshot.steps;
         self.forget_last_step();
-        Ok(())
+        Ok(phase)
     }
 }

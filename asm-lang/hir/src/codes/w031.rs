@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Properties that are not verified
+/// Properties that a run does not check
 ///
-/// Temporal properties (`CTLSPEC`, `LTLSPEC`) and the constraints on them (`INVAR`, `JUSTICE`, `COMPASSION`) are parsed,
-/// resolved and typed, but this version does not verify them: a run behaves as if they were not there, even if they
-/// are false.
+/// Temporal properties (`CTLSPEC`, `LTLSPEC`) and the constraints on them (`INVAR`, `JUSTICE`, `COMPASSION`) are about all
+/// runs, so a single run does not check them: it behaves as if they were not there, even if they are false.
+/// `asmotion verify` proves or refutes them.
 ///
 /// ```asm wrong
 /// asm example
@@ -37,7 +37,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W031, warning)]
-#[error("{}, none verified", properties(*count))]
+#[error("{}, which runs do not check", properties(*count))]
 pub(crate) struct PropertiesNotVerified {
     pub count: usize,
     /// The first property.
@@ -54,12 +54,12 @@ fn properties(count: usize) -> String {
 impl Finding for PropertiesNotVerified {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let first = if self.count == 1 {
-            "not verified"
+            "not checked"
         } else {
             "the first of them"
         };
         diagnostic
             .label(self.at, first)
-            .note("this version does not verify temporal properties; it checks invariants in every state of a run")
+            .note("a run checks invariants only; `asmotion verify` proves temporal properties, or shows a run that violates them")
     }
 }

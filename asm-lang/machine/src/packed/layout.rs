@@ -29,6 +29,8 @@ pub(crate) struct Layout {
     /// `true` if the initial value of a location that is accessed later depends on the inputs of
     /// the first step. The initial state is then part of each packed state.
     pub recalls: bool,
+    /// `true` if a location keeps the value that the environment provided, until it provides another.
+    pub keeps_inputs: bool,
     /// `true` if the first step behaves differently from later ones.
     pub first_differs: bool,
 }
@@ -215,6 +217,8 @@ impl Layout {
         });
         let mut functions = program.functions.iter();
         let hears_late = functions.any(|function| function.initial.is_some() && is_input(function));
+        let mut functions = program.functions.iter().zip(&is_reread);
+        let keeps_inputs = functions.any(|(function, is_reread)| is_input(function) && !is_reread);
         let waits = program.invariants.iter().any(|invariant| invariant.waits);
         Self {
             fields,
@@ -222,6 +226,7 @@ impl Layout {
             reread,
             message_domains: heard_domains.collect(),
             recalls: recalls && !program.compatible,
+            keeps_inputs,
             first_differs: !program.initial_inputs.is_empty() || waits || hears_late,
             is_reread,
         }

@@ -1,0 +1,553 @@
+//! Exploration: all states that a specification can reach, in breadth-first order.
+//!
+//! A *state* contains the locations that rules update. A *node* is a state together with the values of the inputs that
+//! properties mention; without such inputs, each state is one node. The nodes of a state are consecutive.
+
+use crate::decisions::{DecidedChoices, DecidedInputs, Decision, Decisions, InputValue};
+use crate::inputs::InputRanges;
+use crate::store::StateStore;
+use asmotion_lang::hir::AddedTerm;
+use asmotion_lang::{FaultKind, Machine, StepFault, Value};
+use std::collections::{BTreeMap, HashMap};
+
+/// Parent of an initial node.
+pub(crate) const NO_PARENT: u32 = u32::MAX;
+
+/// Limit for the executions of the step in a state, and for the combinations of inputs that properties mention.
+pub(crate) const MAX_EXECUTIONS: u64 = 1 << 17;
+
+/// Limits of an exploration; `None` for no limit.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Limits {
+    /// Number of states.
+    pub states: Option<u64>,
+    /// Number of steps from an initial state.
+    pub depth: Option<u32>,
+    /// Memory for states and transitions, in bytes.
+    pub memory: Option<u64>,
+}
+
+/// The progress of an exploration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Number of states found.
+    pub states: u64,
+    /// Number of states whose successors are known.
+    pub explored: u64,
+    /// Number of transitions found.
+    pub transitions: u64,
+    /// Number of steps from an initial state to the states that are being explored.
+    pub depth: u32,
+    /// Memory in use for states and transitions, in bytes.
+    pub memory: u64,
+}
+
+/// The reason for which an exploration ended before all states were found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Incomplete {
+    /// The limit for states.
+    States,
+    /// The limit for steps.
+    Depth,
+    /// The limit for memory.
+    Memory,
+    /// The caller.
+    Stopped,
+}
+
+/// The reason for which a specification cannot be explored.
+#[derive(Debug)]
+pub(crate) enum ExplorationError {
+    /// A step or a property reads an input whose values cannot be enumerated.
+    Input(Box<StepFault>),
+    /// A step or the properties have too many alternatives in a state.
+    Alternatives,
+    /// The initial state cannot be computed.
+    Initial(Box<StepFault>),
+}
+
+/// A step that fails.
+#[derive(Debug)]
+pub(crate) struct FoundFault {
+    /// The node before the step.
+    pub node: u32,
+    pub decisions: Vec<Decision>,
+    pub fault: Box<StepFault>,
+    /// Number of executions that fail in this way.
+    pub count: u64,
+}
+
+/// Truth values, one for each node.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Truths {
+    words: Vec<u64>,
+    len: usize,
+}
+
+impl Truths {
+    fn push(&mut self, truth: bool) {
+        if self.len.is_multiple_of(64) {
+            self.words.push(0);
+        }
+        if let Some(last) = self.words.last_mut() {
+            *last |= u64::from(truth) << (self.len % 64);
+        }
+        self.len += 1;
+    }
+
+    /// Returns `true` if the value is false at all nodes.
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|word| *word == 0)
+    }
+
+    pub fn get(&self, node: u32) -> bool {
+        let word = self.words.get(node as usize / 64);
+        word.is_some_and(|word| word >> (node % 64) & 1 == 1)
+    }
+}
+
+/// The conditions that are evaluated at each node.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Conditions {
+    pub terms: Vec<AddedTerm>,
+    /// Indices of the conditions without which a node is not considered.
+    pub assumed: Vec<usize>,
+}
+
+/// Everything that was found.
+#[derive(Debug, Default)]
+pub(crate) struct Exploration {
+    pub states: StateStore,
+    /// First node of each state.
+    first_nodes: Vec<u32>,
+    /// State of each node.
+    pub state_of: Vec<u32>,
+    /// Inputs of each node: an index into `inputs`.
+    inputs_of: Vec<u32>,
+    inputs: Vec<Vec<InputValue>>,
+    /// Predecessor of each node on a shortest path.
+    pub parents: Vec<u32>,
+    /// First node of each depth.
+    levels: Vec<u32>,
+    /// Truth values of the conditions.
+    pub truths: Vec<Truths>,
+    /// Number of nodes at which each condition is undef.
+    pub undefined: Vec<u64>,
+    /// Conditions whose evaluation fails, with the first fault.
+    pub failed_terms: BTreeMap<usize, Box<StepFault>>,
+    /// Edges of each explored node: its end in `targets`.
+    pub edge_ends: Vec<u64>,
+    pub targets: Vec<u32>,
+    pub keeps_edges: bool,
+    pub faults: Vec<FoundFault>,
+    /// States in which no step changes anything; the first one, and their number.
+    pub stuck: Vec<u32>,
+    /// Number of initial nodes.
+    pub initial: u32,
+    /// Number of explored nodes.
+    pub explored: u32,
+    /// Executions of the step that update a location, and the initial states.
+    pub transitions: u64,
+    /// Nodes that an assumption excludes.
+    pub excluded: u64,
+    pub incomplete: Option<Incomplete>,
+    /// Coverage counts of the machine.
+    pub counts: Vec<u64>,
+}
+
+impl Exploration {
+    /// Returns the number of nodes.
+    pub fn nodes(&self) -> u32 {
+        self.state_of.len() as u32
+    }
+
+    /// Returns the known inputs of a node.
+    pub fn inputs(&self, node: u32) -> &[InputValue] {
+        let inputs = self.inputs_of.get(node as usize);
+        let inputs = inputs.and_then(|inputs| self.inputs.get(*inputs as usize));
+        inputs.map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// Returns the bytes of a node's state.
+    pub fn state(&self, node: u32) -> &[u8] {
+        let state = self.state_of.get(node as usize);
+        state
+            .map(|state| self.states.get(*state))
+            .unwrap_or_default()
+    }
+
+    /// Returns the nodes of a state.
+    pub fn nodes_of(&self, state: u32) -> std::ops::Range<u32> {
+        let at = state as usize;
+        let from = self.first_nodes.get(at).copied().unwrap_or_default();
+        let to = self.first_nodes.get(at + 1).copied();
+        from..to.unwrap_or_else(|| self.nodes())
+    }
+
+    /// Returns the shortest path from an initial node to a node, both included.
+    pub fn path(&self, node: u32) -> Vec<u32> {
+        let mut path = vec![node];
+        let mut at = node;
+        while let Some(&parent) = self.parents.get(at as usize)
+            && parent != NO_PARENT
+        {
+            path.push(parent);
+            at = parent;
+        }
+        path.reverse();
+        path
+    }
+
+    /// Returns the successors of a node in ascending order, if transitions are kept.
+    pub fn successors(&self, node: u32) -> &[u32] {
+        let at = node as usize;
+        let end = self.edge_ends.get(at).copied().unwrap_or(0) as usize;
+        let start = at
+            .checked_sub(1)
+            .and_then(|before| self.edge_ends.get(before));
+        let start = start.copied().unwrap_or(0) as usize;
+        self.targets.get(start..end).unwrap_or_default()
+    }
+
+    /// Returns the greatest number of steps on a shortest path.
+    pub fn depth(&self) -> u32 {
+        (self.levels.len() as u32).saturating_sub(1)
+    }
+
+    fn memory(&self) -> u64 {
+        let per_node =
+            self.state_of.capacity() + self.inputs_of.capacity() + self.parents.capacity();
+        let words = self.truths.iter().map(|truths| truths.words.capacity() * 8);
+        let edges = self.edge_ends.capacity() * 8 + self.targets.capacity() * 4;
+        let own = per_node * 4 + self.first_nodes.capacity() * 4 + edges + words.sum::<usize>();
+        (own + self.states.memory()) as u64
+    }
+}
+
+/// An exploration in progress.
+pub(crate) struct Explorer<'a> {
+    pub machine: Machine,
+    pub ranges: &'a InputRanges,
+    pub conditions: &'a Conditions,
+    pub limits: Limits,
+    found: Exploration,
+    decisions: Decisions,
+    /// Numbers of the combinations of inputs.
+    known_inputs: HashMap<Vec<InputValue>, u32>,
+    values: Vec<Value>,
+    packed: Vec<u8>,
+}
+
+impl<'a> Explorer<'a> {
+    pub fn new(
+        machine: Machine,
+        ranges: &'a InputRanges,
+        conditions: &'a Conditions,
+        limits: Limits,
+        keeps_edges: bool,
+    ) -> Self {
+        let count = conditions.terms.len();
+        let found = Exploration {
+            truths: vec![Truths::default(); count],
+            undefined: vec![0; count],
+            keeps_edges,
+            ..Exploration::default()
+        };
+        Self {
+            machine,
+            ranges,
+            conditions,
+            limits,
+            found,
+            decisions: Decisions::default(),
+            known_inputs: HashMap::new(),
+            values: Vec::new(),
+            packed: Vec::new(),
+        }
+    }
+
+    /// Explores all states. `proceed` is called now and then, and ends the exploration by returning `false`.
+    pub fn run(
+        mut self,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Exploration, ExplorationError> {
+        self.packed.clear();
+        self.machine.pack_state(&mut self.packed);
+        self.found.transitions = 1;
+        self.arrive(NO_PARENT)?;
+        self.found.initial = self.found.nodes();
+        self.found.levels.push(0);
+        let mut node = 0;
+        let mut level_end = self.found.nodes();
+        while node < self.found.nodes() {
+            if node == level_end {
+                self.found.levels.push(node);
+                level_end = self.found.nodes();
+            }
+            if let Some(reason) = self.limit(node, proceed) {
+                self.found.incomplete = Some(reason);
+                break;
+            }
+            self.expand(node)?;
+            node += 1;
+            self.found.explored = node;
+        }
+        self.found.counts = self.machine.counts();
+        Ok(self.found)
+    }
+
+    /// Returns the limit that is reached, if any.
+    fn limit(
+        &mut self,
+        node: u32,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Option<Incomplete> {
+        let states = self.found.states.len() as u64;
+        let depth = self.found.depth();
+        if self.limits.depth.is_some_and(|limit| depth >= limit) {
+            return Some(Incomplete::Depth);
+        }
+        if self.limits.states.is_some_and(|limit| states > limit) {
+            return Some(Incomplete::States);
+        }
+        if !node.is_multiple_of(256) {
+            return None;
+        }
+        let memory = self.found.memory();
+        if self.limits.memory.is_some_and(|limit| memory > limit) {
+            return Some(Incomplete::Memory);
+        }
+        let progress = Progress {
+            states,
+            explored: self
+                .found
+                .state_of
+                .get(node as usize)
+                .copied()
+                .unwrap_or(0)
+                .into(),
+            transitions: self.found.transitions,
+            depth,
+            memory,
+        };
+        (!proceed(progress)).then_some(Incomplete::Stopped)
+    }
+
+    /// Finds the successors of a node.
+    fn expand(&mut self, node: u32) -> Result<(), ExplorationError> {
+        let inputs = self.found.inputs(node).to_vec();
+        let state = self
+            .found
+            .state_of
+            .get(node as usize)
+            .copied()
+            .unwrap_or_default();
+        let bytes = self.found.state(node).to_vec();
+        let first_edge = self.found.targets.len();
+        self.restore(&bytes);
+        self.decisions.restart();
+        let mut executions = 0;
+        let mut rests = true;
+        loop {
+            executions += 1;
+            if executions > MAX_EXECUTIONS {
+                return Err(ExplorationError::Alternatives);
+            }
+            let can_revert = self.machine.can_revert();
+            match self.step(&inputs) {
+                Ok(has_updates) => {
+                    self.found.transitions += u64::from(has_updates);
+                    self.packed.clear();
+                    self.machine.pack_state(&mut self.packed);
+                    rests &= self.arrive(node)? == state;
+                }
+                Err(fault) => {
+                    rests = false;
+                    self.fault(node, fault)?;
+                }
+            }
+            if !self.decisions.advance() {
+                break;
+            }
+            if can_revert {
+                self.machine.revert();
+            } else {
+                self.restore(&bytes);
+            }
+        }
+        self.finish(node, state, rests, first_edge);
+        Ok(())
+    }
+
+    fn restore(&mut self, state: &[u8]) {
+        // cannot fail: the bytes are from a machine with this program
+        let _ = self.machine.restore_state(state);
+    }
+
+    /// Executes the step; returns `true` if it updates a location.
+    fn step(&mut self, known: &[InputValue]) -> Result<bool, Box<StepFault>> {
+        let mut inputs = DecidedInputs {
+            decisions: &self.decisions,
+            ranges: self.ranges,
+            known,
+        };
+        let mut choices = DecidedChoices(&self.decisions);
+        let step = self.machine.step(&mut inputs, &mut choices, 0)?;
+        Ok(!step.updates().is_empty())
+    }
+
+    /// Adds the state in `packed`, in which the machine is, and its nodes. Returns its number.
+    fn arrive(&mut self, parent: u32) -> Result<u32, ExplorationError> {
+        let Some((state, is_new)) = self.found.states.add(&self.packed) else {
+            return Ok(0);
+        };
+        if is_new {
+            self.found.first_nodes.push(self.found.nodes());
+            self.observe(state, parent)?;
+        }
+        if self.found.keeps_edges && parent != NO_PARENT {
+            let nodes = self.found.nodes_of(state);
+            self.found.targets.extend(nodes);
+        }
+        Ok(state)
+    }
+
+    /// Evaluates the conditions in the current state, and adds a node for each combination of inputs that they read.
+    fn observe(&mut self, state: u32, parent: u32) -> Result<(), ExplorationError> {
+        if self.conditions.terms.is_empty() {
+            self.node(state, 0, parent);
+            return Ok(());
+        }
+        let decisions = Decisions::default();
+        let mut combinations = 0;
+        loop {
+            combinations += 1;
+            if combinations > MAX_EXECUTIONS {
+                return Err(ExplorationError::Alternatives);
+            }
+            self.evaluate(&decisions)?;
+            let is_true = |index: &usize| self.values.get(*index) == Some(&Value::Bool(true));
+            if self.conditions.assumed.iter().all(is_true) {
+                let inputs = self.inputs_number(decisions.read());
+                for (index, value) in self.values.iter().enumerate() {
+                    if let Some(truths) = self.found.truths.get_mut(index) {
+                        truths.push(*value == Value::Bool(true));
+                    }
+                    if let Some(undefined) = self.found.undefined.get_mut(index) {
+                        *undefined += u64::from(value.is_undef());
+                    }
+                }
+                self.node(state, inputs, parent);
+            } else {
+                self.found.excluded += 1;
+            }
+            if !decisions.advance() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Evaluates the conditions into `values`; one whose evaluation fails is undef.
+    fn evaluate(&mut self, decisions: &Decisions) -> Result<(), ExplorationError> {
+        self.values.clear();
+        let terms = &self.conditions.terms;
+        while self.values.len() < terms.len() {
+            let mut inputs = DecidedInputs {
+                decisions,
+                ranges: self.ranges,
+                known: &[],
+            };
+            let rest = terms.get(self.values.len()..).unwrap_or_default();
+            let done = self
+                .machine
+                .evaluate_each(rest, &mut inputs, 0, &mut self.values);
+            if let Err((_, fault)) = done {
+                if let FaultKind::Input { .. } = fault.kind {
+                    return Err(ExplorationError::Input(fault));
+                }
+                let index = self.values.len();
+                self.found.failed_terms.entry(index).or_insert(fault);
+                self.values.push(Value::Undef);
+            }
+        }
+        Ok(())
+    }
+
+    fn inputs_number(&mut self, inputs: Vec<InputValue>) -> u32 {
+        if let Some(number) = self.known_inputs.get(&inputs) {
+            return *number;
+        }
+        let number = self.found.inputs.len() as u32;
+        self.found.inputs.push(inputs.clone());
+        self.known_inputs.insert(inputs, number);
+        number
+    }
+
+    fn node(&mut self, state: u32, inputs: u32, parent: u32) {
+        let found = &mut self.found;
+        found.state_of.push(state);
+        found.inputs_of.push(inputs);
+        found.parents.push(parent);
+    }
+
+    /// Ends the edges of a node, and notes whether its state is stuck.
+    fn finish(&mut self, node: u32, state: u32, rests: bool, first_edge: usize) {
+        let found = &mut self.found;
+        if found.keeps_edges {
+            if let Some(edges) = found.targets.get_mut(first_edge..) {
+                edges.sort_unstable();
+            }
+            dedup_from(&mut found.targets, first_edge);
+            found.edge_ends.push(found.targets.len() as u64);
+        }
+        // a state is stuck if it is so with all inputs
+        let nodes = found.nodes_of(state);
+        let was_stuck = node == nodes.start || found.stuck.last() == Some(&state);
+        if rests && was_stuck {
+            if node == nodes.start {
+                found.stuck.push(state);
+            }
+        } else if found.stuck.last() == Some(&state) {
+            found.stuck.pop();
+        }
+    }
+
+    fn fault(&mut self, node: u32, fault: Box<StepFault>) -> Result<(), ExplorationError> {
+        if let FaultKind::Input { .. } = fault.kind {
+            return Err(ExplorationError::Input(fault));
+        }
+        if node == 0 && fault.step == 0 {
+            return Err(ExplorationError::Initial(fault));
+        }
+        let same = |known: &&mut FoundFault| {
+            known.fault.origin == fault.origin
+                && std::mem::discriminant(&known.fault.kind) == std::mem::discriminant(&fault.kind)
+        };
+        if let Some(known) = self.found.faults.iter_mut().find(same) {
+            known.count += 1;
+        } else {
+            self.found.faults.push(FoundFault {
+                node,
+                decisions: self.decisions.taken(),
+                fault,
+                count: 1,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Removes consecutive equal elements from an index on.
+fn dedup_from(list: &mut Vec<u32>, from: usize) {
+    let mut kept = from;
+    for index in from..list.len() {
+        let element = list.get(index).copied();
+        let before = kept.checked_sub(1).filter(|before| *before >= from);
+        if before.is_some_and(|before| list.get(before).copied() == element) {
+            continue;
+        }
+        list.swap(kept, index);
+        kept += 1;
+    }
+    list.truncate(kept);
+}

@@ -1,0 +1,50 @@
+//! Verification: explores all states that a specification can reach, for all inputs and choices, and checks its properties in
+//! them.
+//!
+//! A state contains the locations that rules update. Inputs (monitored functions) and choices are not part of it: a step is
+//! executed once for each combination of values that it reads and candidates that it chooses. If properties mention inputs,
+//! each state is considered with each combination of those inputs; the next step then reads the same values.
+//!
+//! ```
+//! let mut files = asmotion_lang::MemoryFiles::new();
+//! files.add("lamp.asm", "asm lamp
+//! import StandardLibrary
+//! import CTLLibrary
+//! signature:
+//!   monitored button: Boolean
+//!   controlled isOn: Boolean
+//! definitions:
+//!   CTLSPEC ag(ef(isOn))
+//!   main rule r_Main = if button then isOn := not isOn endif
+//! default init s0:
+//!   function isOn = false
+//! ");
+//! let lamp = asmotion_lang::open("lamp.asm", &files).map_err(|failure| failure.to_string())?;
+//! let verified = asmotion_verify::verify(lamp, &Default::default(), &mut |_| true).map_err(|_| "refused")?;
+//! assert_eq!(verified.states, 2);
+//! assert!(verified.properties.iter().all(|property| property.verdict.holds()));
+//! # Ok::<(), String>(())
+//! ```
+
+mod codes;
+mod counterexample;
+mod decisions;
+mod explore;
+mod final_states;
+mod formula;
+mod inputs;
+mod logic;
+mod options;
+mod preparation;
+mod property;
+mod reads;
+mod store;
+mod verdicts;
+mod verify;
+
+pub use codes::CODES;
+pub use counterexample::{Run, RunStep, RunUpdate};
+pub use explore::{Incomplete, Limits, Progress};
+pub use options::{InputValues, Options};
+pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
+pub use verify::{Refusal, Verification, verify};

@@ -1,0 +1,311 @@
+//! Formulas over the graph of an exploration.
+
+use crate::codes::m004::FormulaTooLarge;
+use crate::counterexample::NodePath;
+use crate::explore::{Exploration, Truths};
+use crate::formula::{Formula, Operator};
+use crate::property::PropertyKind;
+use asmotion_diagnostics::{Diagnostic, Finding};
+use asmotion_temporal::{
+    Bits, Ctl, FairPaths, Fairness, Graph, GraphBuilder, Lasso, Ltl, Recurrent, TemporalError,
+    Vacuity, check_ctl, check_ltl, vacuity_ctl, vacuity_ltl, witness_ctl,
+};
+
+/// A fairness constraint: only paths on which it holds are considered.
+#[derive(Clone, Debug)]
+pub(crate) enum FairnessFormula {
+    /// Infinitely often.
+    Justice(Formula),
+    /// If the first condition holds infinitely often, so does the second.
+    Compassion(Formula, Formula),
+}
+
+/// The reason for which a formula cannot be checked.
+#[derive(Debug)]
+pub(crate) struct LogicError(pub String);
+
+impl LogicError {
+    pub fn diagnostic(self) -> Diagnostic {
+        FormulaTooLarge { reason: self.0 }.diagnostic()
+    }
+}
+
+impl From<TemporalError> for LogicError {
+    fn from(error: TemporalError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Returns the value of a formula without temporal operators at a node.
+pub(crate) fn is_true(formula: &Formula, truths: &[Truths], node: u32) -> bool {
+    match formula {
+        Formula::Constant(truth) => *truth,
+        Formula::Condition(index) => truths.get(*index).is_some_and(|it| it.get(node)),
+        Formula::Apply(operator, operands) => {
+            let mut values = operands.iter().map(|it| is_true(it, truths, node));
+            match operator {
+                Operator::Not => !values.next().unwrap_or_default(),
+                Operator::And => values.all(|it| it),
+                Operator::Or => values.any(|it| it),
+                Operator::Implies => {
+                    !values.next().unwrap_or_default() || values.next().unwrap_or_default()
+                }
+                Operator::Iff => values.next() == values.next(),
+                Operator::Ex
+                | Operator::Ax
+                | Operator::Ef
+                | Operator::Af
+                | Operator::Eg
+                | Operator::Ag
+                | Operator::Eu
+                | Operator::Au
+                | Operator::Next
+                | Operator::Globally
+                | Operator::Finally
+                | Operator::Until
+                | Operator::Release
+                | Operator::Yesterday
+                | Operator::WeakYesterday
+                | Operator::Historically
+                | Operator::Once
+                | Operator::Since
+                | Operator::Triggered => false,
+            }
+        }
+        Formula::Repeat(..) => false,
+    }
+}
+
+/// Calls `see` for each condition of a formula.
+pub(crate) fn visit_conditions(formula: &Formula, see: &mut dyn FnMut(usize)) {
+    match formula {
+        Formula::Constant(_) => {}
+        Formula::Condition(index) => see(*index),
+        Formula::Apply(_, operands) => {
+            operands.iter().for_each(|it| visit_conditions(it, see));
+        }
+        Formula::Repeat(_, _, operand) => visit_conditions(operand, see),
+    }
+}
+
+/// The graph of an exploration, with fairness constraints.
+pub(crate) struct Checker {
+    graph: Graph,
+    atoms: Vec<Bits>,
+    fairness: Vec<Fairness>,
+}
+
+impl Checker {
+    /// Builds the graph of a complete exploration.
+    pub fn new(
+        exploration: &Exploration,
+        fairness: &[FairnessFormula],
+    ) -> Result<Self, LogicError> {
+        let mut builder = GraphBuilder::new();
+        for node in 0..exploration.nodes() {
+            for target in exploration.successors(node) {
+                builder.edge(*target, 0);
+            }
+            builder.end_node();
+        }
+        let graph = builder.finish((0..exploration.initial).collect())?;
+        let count = graph.node_count();
+        let truths = exploration.truths.iter();
+        let atoms = truths.map(|it| Bits::from_fn(count, |node| it.get(node as u32)));
+        let nodes = |formula: &Formula| {
+            let holds = |node| is_true(formula, &exploration.truths, node as u32);
+            Recurrent::nodes(Bits::from_fn(count, holds))
+        };
+        let fairness = fairness.iter().map(|constraint| match constraint {
+            FairnessFormula::Justice(often) => Fairness::Justice(nodes(often)),
+            FairnessFormula::Compassion(cause, effect) => {
+                Fairness::Compassion(nodes(cause), nodes(effect))
+            }
+        });
+        Ok(Self {
+            atoms: atoms.collect(),
+            fairness: fairness.collect(),
+            graph,
+        })
+    }
+
+    /// Checks a temporal formula.
+    pub fn check(&self, kind: PropertyKind, formula: &Formula) -> Result<Checked, LogicError> {
+        let verdict = if kind == PropertyKind::Ltl {
+            check_ltl(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
+        } else {
+            check_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
+        };
+        let path = verdict.violation.as_ref().map(Self::path);
+        // a formula that holds because some path exists is shown by such a path
+        let witness = match (kind, path.is_none() && is_existential(formula)) {
+            (PropertyKind::Ctl, true) => {
+                let found = witness_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?;
+                found.map(|it| Self::path(&it))
+            }
+            _ => None,
+        };
+        let vacuity = if path.is_some() {
+            Vacuity::default()
+        } else if kind == PropertyKind::Ltl {
+            vacuity_ltl(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
+        } else {
+            vacuity_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
+        };
+        let mut irrelevant: Vec<usize> = vacuity.irrelevant.iter().map(|it| it.atom).collect();
+        irrelevant.dedup();
+        Ok(Checked {
+            path,
+            irrelevant,
+            witness,
+            fair: verdict.fair,
+        })
+    }
+
+    fn path(lasso: &Lasso) -> NodePath {
+        let mut nodes: Vec<u32> = vec![lasso.start];
+        nodes.extend(lasso.stem.iter().map(|step| step.node));
+        let start = nodes.len() - 1;
+        nodes.extend(lasso.cycle.iter().map(|step| step.node));
+        let cycle = (!lasso.cycle.is_empty()).then(|| {
+            // the last node of the cycle is its first
+            nodes.pop();
+            start
+        });
+        NodePath {
+            nodes,
+            cycle,
+            failing: None,
+        }
+    }
+}
+
+/// The result of checking a temporal formula.
+pub(crate) struct Checked {
+    /// A path that violates it.
+    pub path: Option<NodePath>,
+    /// A path that shows that it holds.
+    pub witness: Option<NodePath>,
+    /// Conditions whose values do not matter for a formula that holds.
+    pub irrelevant: Vec<usize>,
+    pub fair: FairPaths,
+}
+
+/// Returns `true` if one path shows that a formula holds.
+fn is_existential(formula: &Formula) -> bool {
+    matches!(
+        formula,
+        Formula::Apply(Operator::Ex | Operator::Ef | Operator::Eg | Operator::Eu, _)
+            | Formula::Repeat(Operator::Ex, ..)
+    )
+}
+
+/// The operands of an operator, of which it has one or two.
+struct Operands<'f>(&'f [Formula]);
+
+impl Operands<'_> {
+    fn one<T>(&self, translate: fn(&Formula) -> Result<T, LogicError>) -> Result<T, LogicError> {
+        self.0.first().map_or_else(|| Err(missing()), translate)
+    }
+
+    fn two<T>(
+        &self,
+        translate: fn(&Formula) -> Result<T, LogicError>,
+    ) -> Result<(T, T), LogicError> {
+        let [left, right] = self.0 else {
+            return Err(missing());
+        };
+        Ok((translate(left)?, translate(right)?))
+    }
+}
+
+fn missing() -> LogicError {
+    LogicError("an operator lacks an operand".to_owned())
+}
+
+fn ctl(formula: &Formula) -> Result<Ctl, LogicError> {
+    let (operator, operands) = match formula {
+        Formula::Constant(true) => return Ok(Ctl::True),
+        Formula::Constant(false) => return Ok(Ctl::False),
+        Formula::Condition(index) => return Ok(Ctl::Atom(*index)),
+        Formula::Repeat(operator, count, operand) => {
+            let count = u32::try_from(*count).unwrap_or(u32::MAX);
+            let operand = ctl(operand)?;
+            let is_existential = *operator == Operator::Ex;
+            return Ok(if is_existential {
+                Ctl::ex(count, operand)
+            } else {
+                Ctl::ax(count, operand)
+            });
+        }
+        Formula::Apply(operator, operands) => (operator, operands),
+    };
+    let all = || operands.iter().map(ctl).collect::<Result<Vec<Ctl>, _>>();
+    let operands = Operands(operands);
+    let pair = |make: fn(Ctl, Ctl) -> Ctl| operands.two(ctl).map(|(left, right)| make(left, right));
+    match operator {
+        Operator::Not => operands.one(ctl).map(Ctl::negation),
+        Operator::And => all().map(Ctl::And),
+        Operator::Or => all().map(Ctl::Or),
+        Operator::Implies => pair(Ctl::implies),
+        Operator::Iff => pair(Ctl::iff),
+        Operator::Ex => operands.one(ctl).map(|it| Ctl::ex(1, it)),
+        Operator::Ax => operands.one(ctl).map(|it| Ctl::ax(1, it)),
+        Operator::Ef => operands.one(ctl).map(Ctl::ef),
+        Operator::Af => operands.one(ctl).map(Ctl::af),
+        Operator::Eg => operands.one(ctl).map(Ctl::eg),
+        Operator::Ag => operands.one(ctl).map(Ctl::ag),
+        Operator::Eu => pair(Ctl::eu),
+        Operator::Au => pair(Ctl::au),
+        Operator::Next
+        | Operator::Globally
+        | Operator::Finally
+        | Operator::Until
+        | Operator::Release
+        | Operator::Yesterday
+        | Operator::WeakYesterday
+        | Operator::Historically
+        | Operator::Once
+        | Operator::Since
+        | Operator::Triggered => Err(LogicError("an operator of LTL in CTL".to_owned())),
+    }
+}
+
+fn ltl(formula: &Formula) -> Result<Ltl, LogicError> {
+    let (operator, operands) = match formula {
+        Formula::Constant(true) => return Ok(Ltl::True),
+        Formula::Constant(false) => return Ok(Ltl::False),
+        Formula::Condition(index) => return Ok(Ltl::Atom(*index)),
+        Formula::Repeat(..) => return Err(LogicError("an operator of CTL in LTL".to_owned())),
+        Formula::Apply(operator, operands) => (operator, operands),
+    };
+    let all = || operands.iter().map(ltl).collect::<Result<Vec<Ltl>, _>>();
+    let operands = Operands(operands);
+    let pair = |make: fn(Ltl, Ltl) -> Ltl| operands.two(ltl).map(|(left, right)| make(left, right));
+    match operator {
+        Operator::Not => operands.one(ltl).map(Ltl::negation),
+        Operator::And => all().map(Ltl::And),
+        Operator::Or => all().map(Ltl::Or),
+        Operator::Implies => pair(Ltl::implies),
+        Operator::Iff => pair(Ltl::iff),
+        Operator::Next => operands.one(ltl).map(Ltl::next),
+        Operator::Globally => operands.one(ltl).map(Ltl::globally),
+        Operator::Finally => operands.one(ltl).map(Ltl::finally),
+        Operator::Until => pair(Ltl::until),
+        Operator::Release => pair(Ltl::release),
+        Operator::Yesterday => operands.one(ltl).map(Ltl::yesterday),
+        Operator::WeakYesterday => operands.one(ltl).map(Ltl::weak_yesterday),
+        Operator::Historically => operands.one(ltl).map(Ltl::historically),
+        Operator::Once => operands.one(ltl).map(Ltl::once),
+        Operator::Since => pair(Ltl::since),
+        Operator::Triggered => pair(Ltl::triggered),
+        Operator::Ex
+        | Operator::Ax
+        | Operator::Ef
+        | Operator::Af
+        | Operator::Eg
+        | Operator::Ag
+        | Operator::Eu
+        | Operator::Au => Err(LogicError("an operator of CTL in LTL".to_owned())),
+    }
+}

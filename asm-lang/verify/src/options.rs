@@ -1,0 +1,33 @@
+//! What is verified, and how far.
+
+use crate::explore::Limits;
+use asmotion_lang::Value;
+use asmotion_lang::ir::FunctionId;
+
+/// The values of an input, in place of those of its codomain.
+#[derive(Clone, Debug)]
+pub struct InputValues {
+    /// The monitored or shared function.
+    pub function: FunctionId,
+    /// Its possible values, in the order in which they are tried.
+    pub values: Vec<Value>,
+}
+
+/// What is verified, and how far.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Limits of the exploration.
+    pub limits: Limits,
+    /// Properties in addition to those of the specification: terms that are formulas of CTL or LTL, or invariants.
+    pub properties: Vec<String>,
+    /// Terms for which a run to a state is sought in which they are true.
+    pub possible: Vec<String>,
+    /// Names or texts of the properties to check; all if empty.
+    pub only: Vec<String>,
+    /// Conditions without which a state, together with its inputs, is not considered.
+    pub assumptions: Vec<String>,
+    /// Condition of the states in which nothing needs to change any more, besides those that `//@Final` names.
+    pub ends: Option<String>,
+    /// Inputs whose values are given; others have those of their codomains.
+    pub inputs: Vec<InputValues>,
+}

@@ -1,0 +1,44 @@
+//! What a term depends on: inputs, or locations that rules update.
+
+use asmotion_lang::hir::{FunctionId, FunctionKind, Meaning, Model, Term};
+use std::collections::BTreeSet;
+
+/// The kinds of functions that a term depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Reads {
+    /// Monitored functions.
+    pub inputs: bool,
+    /// Functions that rules update.
+    pub state: bool,
+}
+
+impl Reads {
+    pub fn of(model: &Model, term: &Term) -> Self {
+        let mut reads = Self::default();
+        reads.add(model, term, &mut BTreeSet::new());
+        reads
+    }
+
+    fn add(&mut self, model: &Model, term: &Term, seen: &mut BTreeSet<FunctionId>) {
+        let mut applied = Vec::new();
+        asmotion_lang::ir::visit_terms(term, &mut |part| applied.extend(part.kind.function()));
+        for id in applied {
+            let Some(function) = model.functions.get(id.0 as usize) else {
+                continue;
+            };
+            match function.kind {
+                FunctionKind::Monitored => self.inputs = true,
+                FunctionKind::Shared => (self.inputs, self.state) = (true, true),
+                FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Local => {
+                    self.state = true;
+                }
+                FunctionKind::Static | FunctionKind::Derived => {}
+            }
+            if let Meaning::Defined(body) = &function.meaning
+                && seen.insert(id)
+            {
+                self.add(model, &body.root, seen);
+            }
+        }
+    }
+}

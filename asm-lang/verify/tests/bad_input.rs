@@ -1,0 +1,76 @@
+//! Specifications and properties that cannot be verified.
+
+use crate::models::LAMP;
+use crate::open;
+use asmotion_verify::{CODES, Options, verify};
+
+/// The codes of the findings that refuse a specification.
+fn refused(text: &str, options: &Options) -> Vec<&'static str> {
+    match verify(open(text), options, &mut |_| true) {
+        Ok(_) => Vec::new(),
+        Err(refusal) => {
+            let findings = refusal.report.diagnostics.iter();
+            findings.map(|it| it.code.name).collect()
+        }
+    }
+}
+
+/// Compares the rendered findings with a snapshot.
+fn snapshot(name: &str, text: &str, options: &Options) {
+    let Err(refusal) = verify(open(text), options, &mut |_| true) else {
+        panic!("{name} is verified");
+    };
+    let sources = &refusal.specification.sources;
+    let rendered = asmotion_lang::render_all(&refusal.report, sources, asmotion_lang::Style::Plain);
+    insta::assert_snapshot!(name, rendered);
+}
+
+#[test]
+fn codes_have_examples_that_are_true() {
+    for code in CODES {
+        let (wrong, corrected) = (code.example("asm wrong"), code.example("asm corrected"));
+        let (Some(wrong), Some(corrected)) = (wrong, corrected) else {
+            assert_eq!(code.name, "M004", "{} has no example", code.name);
+            continue;
+        };
+        assert_eq!(refused(wrong, &Options::default()), [code.name]);
+        snapshot(code.name, wrong, &Options::default());
+        assert_eq!(
+            refused(corrected, &Options::default()),
+            [""; 0],
+            "{}",
+            code.name
+        );
+    }
+}
+
+#[test]
+fn a_property_with_an_unknown_name_is_refused() {
+    let property = |text: &str| Options {
+        properties: vec![text.to_owned()],
+        ..Options::default()
+    };
+    assert_eq!(refused(LAMP, &property("ag(leevl = 0)")).len(), 1);
+    assert_eq!(refused(LAMP, &property("level + 1")).len(), 1);
+    assert_eq!(refused(LAMP, &property("ag(")).len(), 1);
+    assert_eq!(refused(LAMP, &property("not ag(f(isOn))")), ["M003"]);
+    assert_eq!(
+        refused(
+            LAMP,
+            &property("(exist $i in {0 : 3} with ag(level != $i))")
+        ),
+        ["M003"]
+    );
+}
+
+#[test]
+fn formulas_that_are_too_large_are_refused() {
+    let property = "exN(isOn, 4000000000n)".to_owned();
+    let options = Options {
+        properties: vec![property.clone()],
+        only: vec![property],
+        ..Options::default()
+    };
+    assert_eq!(refused(LAMP, &options), ["M004"]);
+    snapshot("M004", LAMP, &options);
+}
