@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use crate::common::{Number, behaviour, burst, counter, number};
-use asmotion_component::{Activity, Fault, Flow, Out, Policy, Span, State, Time};
+use asmotion_component::{Activity, Fault, Flow, OnDeadline, Out, Policy, Span, State, Time};
 use asmotion_datum::{Datum, Schema};
 use asmotion_runtime::{Log, Run, System};
 
@@ -348,4 +348,57 @@ fn a_port_known_by_name_only_joins_a_typed_one_both_ways() {
         .unwrap();
     system.simulate().run_until(Time::ZERO + 20.ms());
     assert_eq!(*seen.lock().unwrap(), [10, 20, 30]);
+}
+
+#[test]
+fn a_cycle_that_exceeds_the_deadline_of_its_activity_is_late() {
+    for (on_deadline, cycles) in [
+        (OnDeadline::Report, 4),
+        (OnDeadline::Stop, 2),
+        (OnDeadline::Fail, 2),
+    ] {
+        let mut system = System::new();
+        let slow = behaviour(|_| {
+            |cycle| {
+                // the second cycle and later ones take too long
+                cycle.set_duration(if cycle.number() > 1 { 6.ms() } else { 5.ms() });
+                Ok(())
+            }
+        });
+        let activity = Activity::periodic(100.ms()).deadline(5.ms(), on_deadline);
+        system.add("Slow", activity, slow).unwrap();
+        let mut run = system.simulate();
+        run.run_until(Time::ZERO + 350.ms());
+        assert_eq!(run.cycles("Slow"), cycles, "{on_deadline:?}");
+        assert_eq!(run.late("Slow"), cycles - 1, "{on_deadline:?}");
+    }
+}
+
+#[test]
+fn a_cycle_knows_that_it_runs_and_when_its_samples_were_written() {
+    type Times = Arc<Mutex<Vec<(bool, Option<Time>)>>>;
+    let seen = Times::default();
+    let mut system = System::new();
+    system
+        .add("Counter", Activity::periodic(100.ms()), counter())
+        .unwrap();
+    let times = Arc::clone(&seen);
+    let reader = behaviour(move |interface| {
+        let input = interface.input::<Number>("n", "a count");
+        move |cycle| {
+            let written = cycle.written_at(input);
+            times.lock().unwrap().push((cycle.is_running(), written));
+            Ok(())
+        }
+    });
+    let activity = Activity::periodic(100.ms()).delay(50.ms());
+    system.add("Reader", activity, reader).unwrap();
+    system
+        .connect("Counter.n", "Reader.n", Policy::data())
+        .unwrap();
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 160.ms());
+    let expected = [Time::ZERO, Time::ZERO + 100.ms()].map(|time| (true, Some(time)));
+    assert_eq!(*seen.lock().unwrap(), expected);
+    assert_eq!(run.inspect("Counter").unwrap(), []);
 }
