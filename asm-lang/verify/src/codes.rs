@@ -5,8 +5,10 @@ pub(crate) mod m002;
 pub(crate) mod m003;
 pub(crate) mod m004;
 pub(crate) mod m005;
+pub(crate) mod m006;
 
-use asmotion_diagnostics::Code;
+use asmotion_diagnostics::{Code, Span};
+use asmotion_lang::Specification;
 
 /// The codes of this crate: reasons for which a specification cannot be verified.
 pub const CODES: &[&Code] = &[
@@ -15,4 +17,12 @@ pub const CODES: &[&Code] = &[
     m003::NoTemporalFormula::CODE,
     m004::FormulaTooLarge::CODE,
     m005::ExchangesMessages::CODE,
+    m006::NothingAssumed::CODE,
 ];
+
+/// Returns the place of the main rule.
+pub(crate) fn main_rule(specification: &Specification) -> Span {
+    let main = specification.model.main;
+    let main = main.and_then(|id| specification.model.rules.get(id.0 as usize));
+    main.map(|rule| rule.span).unwrap_or_default()
+}

@@ -284,7 +284,8 @@ impl<'a> Explorer<'a> {
                 self.found.levels.push(node);
                 level_end = self.found.nodes();
             }
-            if let Some(reason) = self.limit(node, proceed) {
+            let limit = self.found.incomplete.or_else(|| self.limit(node, proceed));
+            if let Some(reason) = limit {
                 self.found.incomplete = Some(reason);
                 break;
             }
@@ -399,6 +400,7 @@ impl<'a> Explorer<'a> {
     /// Adds the state in `packed`, in which the machine is, and its nodes. Returns its number.
     fn arrive(&mut self, parent: u32) -> Result<u32, ExplorationError> {
         let Some((state, is_new)) = self.found.states.add(&self.packed) else {
+            self.found.incomplete = Some(Incomplete::States);
             return Ok(0);
         };
         if is_new {

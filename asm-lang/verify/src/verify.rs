@@ -2,6 +2,8 @@
 
 use crate::codes::m001::InputWithoutRange;
 use crate::codes::m002::TooManyAlternatives;
+use crate::codes::m006::NothingAssumed;
+use crate::codes::main_rule;
 use crate::counterexample::Replay;
 use crate::explore::{ExplorationError, Explorer, Incomplete, Progress};
 use crate::inputs::InputRanges;
@@ -83,6 +85,13 @@ pub fn verify(
             return Err(refusal(specification, report_of(diagnostic)));
         }
     };
+    if exploration.initial == 0 {
+        let finding = NothingAssumed {
+            assumptions: prepared.assumptions,
+            at: main_rule(&specification),
+        };
+        return Err(refusal(specification, report_of(finding.diagnostic())));
+    }
     let replay = Replay {
         specification: &specification,
         exploration: &exploration,

@@ -1,4 +1,10 @@
 //! Verification of specifications.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::disallowed_methods,
+    reason = "tests read files"
+)]
 
 mod bad_input;
 mod counts;

@@ -49,11 +49,9 @@ impl Finding for TooManyAlternatives {
 
 impl TooManyAlternatives {
     pub fn of(specification: &Specification) -> Self {
-        let main = specification.model.main;
-        let main = main.and_then(|id| specification.model.rules.get(id.0 as usize));
         Self {
             limit: crate::explore::MAX_EXECUTIONS,
-            at: main.map(|rule| rule.span).unwrap_or_default(),
+            at: super::main_rule(specification),
         }
     }
 }
