@@ -1,15 +1,18 @@
 //! `asmotion verify`: proves properties of specifications for all inputs and choices.
 
+mod export;
+mod input_values;
+mod json;
+mod options;
+mod progress;
 mod show;
+mod words;
 
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
-use asmotion_lang::{Machine, NoInputs, Report, Specification, Value};
-use asmotion_verify::{
-    CheckedProperty, InputValues, Limits, Options, Progress, Verdict, Verification, verify,
-};
+use asmotion_verify::{Progress, Verdict, Verification, verify};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -125,7 +128,7 @@ impl Verify {
             let now = Instant::now();
             if now - shown > PROGRESS {
                 shown = now;
-                terminal.progress(show::progress(&progress, now - begun));
+                terminal.progress(progress::line(&progress, now - begun));
             }
             let limit = self.time;
             limit.is_none_or(|limit| (now - begun).as_secs_f64() < limit)
@@ -133,7 +136,7 @@ impl Verify {
         match verify(specification, &options, &mut proceed) {
             Ok(verification) => {
                 if self.json {
-                    terminal.result(show::json(path, &verification, begun.elapsed()));
+                    terminal.result(json::verification(path, &verification, begun.elapsed()));
                 } else {
                     show::text(path, &verification, begun.elapsed(), terminal);
                 }
@@ -143,80 +146,6 @@ impl Verify {
                 terminal.report(&refusal.report, &refusal.specification.sources);
                 terminal.error(count(&refusal.report).unwrap_or_default());
                 Exit::Findings
-            }
-        }
-    }
-
-    fn options(
-        &self,
-        specification: &mut Specification,
-        terminal: &mut TerminalOutput,
-    ) -> Result<Options, Exit> {
-        let is_declared = |text: &str| {
-            let model = &specification.model;
-            let mut invariants = model.invariants.iter().map(|it| &*it.name);
-            let mut properties = model.properties.iter().filter_map(|it| it.name.as_deref());
-            invariants.any(|name| name == text) || properties.any(|name| name == text)
-        };
-        let terms = self.property.iter().filter(|text| !is_declared(text));
-        let mut options = Options {
-            limits: Limits {
-                states: self.states,
-                depth: self.bound,
-                memory: Some(self.memory << 20),
-            },
-            properties: terms.cloned().collect(),
-            possible: self.possible.clone(),
-            only: self
-                .property
-                .iter()
-                .chain(&self.possible)
-                .cloned()
-                .collect(),
-            assumptions: self.assume.clone(),
-            ends: self.end.clone(),
-            inputs: Vec::new(),
-        };
-        for values in &self.values {
-            match input_values(specification, values) {
-                Ok(values) => options.inputs.push(values),
-                Err(ValuesError::Text(text)) => {
-                    terminal.error(format_args!("`--values {values}`: {text}"));
-                    return Err(Exit::Usage);
-                }
-                Err(ValuesError::Term(report)) => {
-                    terminal.report(&report, &specification.sources);
-                    return Err(Exit::Usage);
-                }
-            }
-        }
-        Ok(options)
-    }
-
-    /// Writes the trace of the first violation, if there is one and it was requested.
-    fn write(&self, verification: &Verification, terminal: &mut TerminalOutput) -> Exit {
-        let Some(path) = &self.trace else {
-            return Exit::Ok;
-        };
-        let violated = |property: &&CheckedProperty| property.verdict.is_violated();
-        let mut properties = verification.properties.iter();
-        let shown = properties
-            .clone()
-            .find(|it| violated(it) && it.verdict.run().is_some());
-        let run = shown.or_else(|| properties.find(|it| it.verdict.run().is_some()));
-        let Some(run) = run.and_then(|property| property.verdict.run()) else {
-            terminal.warn(format_args!(
-                "there is no run to write to `{}`",
-                path.display()
-            ));
-            return Exit::Ok;
-        };
-        match std::fs::write(path, &run.trace) {
-            Ok(()) => Exit::Ok,
-            Err(error) => {
-                let path = path.display();
-                terminal.error(format_args!("cannot write the trace `{path}`: {error}"));
-                Exit::Usage
             }
         }
     }
@@ -235,87 +164,4 @@ fn exit(verification: &Verification) -> Exit {
     } else {
         Exit::Ok
     }
-}
-
-/// The reason for which the values of an input cannot be used.
-enum ValuesError {
-    Text(String),
-    Term(Report),
-}
-
-/// Reads `function=value,…`.
-fn input_values(specification: &mut Specification, text: &str) -> Result<InputValues, ValuesError> {
-    let refused = |text: &str| ValuesError::Text(text.to_owned());
-    let (name, values) = text
-        .split_once('=')
-        .ok_or_else(|| refused("write FUNCTION=VALUE,VALUE"))?;
-    let name = name.trim();
-    let mut named = specification
-        .model
-        .own_functions()
-        .filter(|(_, it)| &*it.name == name);
-    let (id, function) = named
-        .next()
-        .ok_or_else(|| refused("the specification declares no such function"))?;
-    let (function_id, codomain) = (asmotion_lang::ir::FunctionId(id.0), function.codomain);
-    if !matches!(
-        function.kind,
-        asmotion_lang::FunctionKind::Monitored | asmotion_lang::FunctionKind::Shared
-    ) {
-        return Err(refused(
-            "the function is no input: only monitored and shared functions are",
-        ));
-    }
-    drop(named);
-    let mut terms = Vec::new();
-    for value in split(values) {
-        terms.push(typed(specification, codomain, value.trim()).map_err(ValuesError::Term)?);
-    }
-    specification.lower().map_err(ValuesError::Term)?;
-    let fault = |specification: &Specification, fault: &asmotion_lang::StepFault| {
-        let mut report = Report::new();
-        report.push(specification.explain(fault));
-        ValuesError::Term(report)
-    };
-    let machine = specification.machine();
-    let mut machine: Machine = machine.map_err(|it| fault(specification, &it))?;
-    let mut values: Vec<Value> = Vec::new();
-    for term in terms {
-        let value = machine.evaluate(term, &mut NoInputs, 0);
-        values.push(value.map_err(|it| fault(specification, &it))?);
-    }
-    Ok(InputValues {
-        function: function_id,
-        values,
-    })
-}
-
-/// Adds a term for a value of an input.
-fn typed(
-    specification: &mut Specification,
-    codomain: asmotion_lang::hir::TypeId,
-    text: &str,
-) -> Result<asmotion_lang::hir::AddedTerm, Report> {
-    let file = specification.sources.add("--values", text);
-    let term = asmotion_lang::syntax::parse_term(file, text)?;
-    specification.model.add_typed(&term, codomain, "the value")
-}
-
-/// Splits at commas outside of brackets.
-fn split(text: &str) -> Vec<&str> {
-    let mut parts = Vec::new();
-    let (mut depth, mut start) = (0u32, 0);
-    for (at, character) in text.char_indices() {
-        match character {
-            '(' | '[' | '{' | '<' => depth += 1,
-            ')' | ']' | '}' | '>' => depth = depth.saturating_sub(1),
-            ',' if depth == 0 => {
-                parts.extend(text.get(start..at));
-                start = at + 1;
-            }
-            _ => {}
-        }
-    }
-    parts.extend(text.get(start..));
-    parts
 }

@@ -1,53 +1,10 @@
-//! Results of a verification as text and JSON.
+//! Results of a verification as text.
 
+use super::words::{counted, duration, incomplete, number, place_text, rule_text, verdict};
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
-use asmotion_lang::{Span, Specification};
-use asmotion_verify::{
-    CheckedProperty, Incomplete, Note, Progress, PropertyKind, Run, RunStep, Verdict, Verification,
-};
-use serde_json::{Value, json};
+use asmotion_lang::Specification;
+use asmotion_verify::{CheckedProperty, Note, PropertyKind, Run, RunStep, Verdict, Verification};
 use std::time::Duration;
-
-/// A number with separators, as in `1,745,408`.
-fn number(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// A number with a noun, as in `3 states`.
-fn counted(count: u64, noun: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{} {noun}{plural}", number(count))
-}
-
-fn duration(time: Duration) -> String {
-    if time < Duration::from_secs(1) {
-        format!("{} ms", time.as_millis())
-    } else {
-        format!("{:.1} s", time.as_secs_f64())
-    }
-}
-
-/// A line about an exploration in progress.
-pub fn progress(progress: &Progress, time: Duration) -> String {
-    let rate = progress.states as f64 / time.as_secs_f64().max(0.001);
-    let waiting = progress.states.saturating_sub(progress.explored);
-    format!(
-        "   Exploring {}, {} not explored yet, {}, {} a second, {} MiB",
-        counted(progress.states, "state"),
-        number(waiting),
-        counted(progress.depth.into(), "step"),
-        number(rate as u64),
-        progress.memory >> 20,
-    )
-}
 
 /// Prints the results for a specification.
 pub fn text(
@@ -87,35 +44,6 @@ pub fn text(
             "  {NOTE}note{NOTE:#} not all states were explored: {}",
             incomplete(reason)
         ));
-    }
-}
-
-fn incomplete(reason: Incomplete) -> &'static str {
-    match reason {
-        Incomplete::States => "the number of states reached the limit, which `--states` sets",
-        Incomplete::Depth => "the number of steps reached the limit, which `--bound` sets",
-        Incomplete::Memory => "the memory reached the limit, which `--memory` sets",
-        Incomplete::Stopped => "the time is up, which `--time` sets",
-    }
-}
-
-fn kind(kind: PropertyKind) -> &'static str {
-    match kind {
-        PropertyKind::Invariant => "invariant",
-        PropertyKind::Ctl => "CTL",
-        PropertyKind::Ltl => "LTL",
-        PropertyKind::Possible => "possible",
-        PropertyKind::NoFault => "no-fault",
-        PropertyKind::NotStuck => "not-stuck",
-        PropertyKind::RulesRun => "rules-run",
-    }
-}
-
-fn verdict(verdict: &Verdict) -> &'static str {
-    match verdict {
-        Verdict::Holds(_) => "holds",
-        Verdict::Violated(_) => "violated",
-        Verdict::Unknown => "unknown",
     }
 }
 
@@ -204,22 +132,6 @@ fn show_note(property: &CheckedProperty, note: &Note, terminal: &mut TerminalOut
     terminal.result(format_args!("            {NOTE}note{NOTE:#} {text}"));
 }
 
-/// Path and line of a place.
-fn place_text(specification: &Specification, place: Span) -> String {
-    let sources = &specification.sources;
-    let (line, _) = sources.position(place.file, place.start);
-    format!("{}:{line}", sources.path(place.file))
-}
-
-/// The rule that contains a place, with the line.
-fn rule_text(specification: &Specification, place: Span) -> String {
-    let (line, _) = specification.sources.position(place.file, place.start);
-    match specification.rule_at(place) {
-        Some(rule) => format!("{}, line {line}", rule.name),
-        None => format!("line {line}"),
-    }
-}
-
 fn show_run(run: &Run, specification: &Specification, terminal: &mut TerminalOutput) {
     let initial: Vec<String> = run
         .initial
@@ -290,75 +202,4 @@ fn show_step(
     } else if step.updates.is_empty() {
         terminal.result(format_args!("              {FAINT}no change{FAINT:#}"));
     }
-}
-
-/// The results as a JSON object.
-pub fn json(path: &str, verification: &Verification, time: Duration) -> Value {
-    let specification = &verification.specification;
-    let properties = verification.properties.iter().map(|property| {
-        let place = property.place.map(|place| place_text(specification, place));
-        json!({
-            "kind": kind(property.kind),
-            "name": property.name,
-            "text": property.text,
-            "place": place,
-            "verdict": verdict(&property.verdict),
-            "run": property.verdict.run().map(|run| run_json(run, specification)),
-        })
-    });
-    json!({
-        "type": "verification", "v": 1,
-        "path": path,
-        "properties": properties.collect::<Vec<Value>>(),
-        "states": verification.states,
-        "transitions": verification.transitions,
-        "depth": verification.depth,
-        "excluded": verification.excluded,
-        "assumptions": verification.assumptions,
-        "incomplete": verification.incomplete.map(incomplete_word),
-        "milliseconds": time.as_millis() as u64,
-    })
-}
-
-fn incomplete_word(reason: Incomplete) -> &'static str {
-    match reason {
-        Incomplete::States => "states",
-        Incomplete::Depth => "bound",
-        Incomplete::Memory => "memory",
-        Incomplete::Stopped => "time",
-    }
-}
-
-fn run_json(run: &Run, specification: &Specification) -> Value {
-    let object = |pairs: &[(String, String)]| {
-        let pairs = pairs
-            .iter()
-            .map(|(key, value)| (key.clone(), Value::from(value.clone())));
-        Value::Object(pairs.collect())
-    };
-    let steps = run.steps.iter().map(|step| {
-        let choices = step.choices.iter().map(|(index, count, place)| {
-            json!({ "index": index, "count": count, "place": place_text(specification, *place) })
-        });
-        let updates = step.updates.iter().map(|update| {
-            json!({
-                "location": update.location,
-                "before": update.before,
-                "after": update.after,
-                "place": place_text(specification, update.place),
-            })
-        });
-        json!({
-            "inputs": object(&step.inputs),
-            "choices": choices.collect::<Vec<Value>>(),
-            "updates": updates.collect::<Vec<Value>>(),
-            "fault": step.fault.as_ref().map(|fault| fault.message.clone()),
-        })
-    });
-    json!({
-        "initial": object(&run.initial),
-        "steps": steps.collect::<Vec<Value>>(),
-        "cycle": run.cycle,
-        "inputs": object(&run.inputs),
-    })
 }

@@ -1,0 +1,77 @@
+//! Numbers, places and results in words.
+
+use asmotion_lang::{Span, Specification};
+use asmotion_verify::{Incomplete, PropertyKind, Verdict};
+use std::time::Duration;
+
+/// A number with separators, as in `1,745,408`.
+pub fn number(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A number with a noun, as in `3 states`.
+pub fn counted(count: u64, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", number(count))
+}
+
+pub fn duration(time: Duration) -> String {
+    if time < Duration::from_secs(1) {
+        format!("{} ms", time.as_millis())
+    } else {
+        format!("{:.1} s", time.as_secs_f64())
+    }
+}
+
+pub fn incomplete(reason: Incomplete) -> &'static str {
+    match reason {
+        Incomplete::States => "the number of states reached the limit, which `--states` sets",
+        Incomplete::Depth => "the number of steps reached the limit, which `--bound` sets",
+        Incomplete::Memory => "the memory reached the limit, which `--memory` sets",
+        Incomplete::Stopped => "the time is up, which `--time` sets",
+    }
+}
+
+pub fn kind(kind: PropertyKind) -> &'static str {
+    match kind {
+        PropertyKind::Invariant => "invariant",
+        PropertyKind::Ctl => "CTL",
+        PropertyKind::Ltl => "LTL",
+        PropertyKind::Possible => "possible",
+        PropertyKind::NoFault => "no-fault",
+        PropertyKind::NotStuck => "not-stuck",
+        PropertyKind::RulesRun => "rules-run",
+    }
+}
+
+pub fn verdict(verdict: &Verdict) -> &'static str {
+    match verdict {
+        Verdict::Holds(_) => "holds",
+        Verdict::Violated(_) => "violated",
+        Verdict::Unknown => "unknown",
+    }
+}
+
+/// Path and line of a place.
+pub fn place_text(specification: &Specification, place: Span) -> String {
+    let sources = &specification.sources;
+    let (line, _) = sources.position(place.file, place.start);
+    format!("{}:{line}", sources.path(place.file))
+}
+
+/// The rule that contains a place, with the line.
+pub fn rule_text(specification: &Specification, place: Span) -> String {
+    let (line, _) = specification.sources.position(place.file, place.start);
+    match specification.rule_at(place) {
+        Some(rule) => format!("{}, line {line}", rule.name),
+        None => format!("line {line}"),
+    }
+}
