@@ -62,6 +62,13 @@ impl StepContext<'_> {
         self.updates.lists()
     }
 
+    /// Returns the coverage counters of the program. They stay in place until the step ends.
+    #[inline]
+    pub fn counters(&mut self) -> &mut [u64] {
+        self.record.allocate_counts(self.program.counted.len());
+        &mut self.record.counts
+    }
+
     /// Returns `true` if a term failed or a rule stopped.
     pub fn has_failed(&self) -> bool {
         self.fault.is_some()

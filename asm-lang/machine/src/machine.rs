@@ -3,7 +3,7 @@
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
 use crate::environment::Environment;
-use crate::fault::{FaultKind, StepFault};
+use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
 use crate::record::{StepChoice, StepInput, StepLog};
@@ -113,7 +113,7 @@ pub struct Machine {
 #[derive(Default)]
 pub(crate) struct Scratch {
     pub updates: Updates,
-    record: StepLog,
+    pub record: StepLog,
     locals: Vec<Value>,
     stack: Vec<Value>,
     before: Vec<Value>,
@@ -259,6 +259,17 @@ impl Machine {
         &self.state
     }
 
+    /// Returns the values of all slots, indexed by slot.
+    pub fn slots(&self) -> &[Value] {
+        &self.state.store.slots
+    }
+
+    /// Returns the values of all slots, for callers that store states themselves. Requires [`Machine::can_revert`]. The
+    /// values are not checked: each must be one that this machine had in that slot.
+    pub fn slots_mut(&mut self) -> &mut [Value] {
+        &mut self.state.store.slots
+    }
+
     /// Returns the number of completed steps.
     pub fn steps(&self) -> u64 {
         self.steps
@@ -286,21 +297,68 @@ impl Machine {
         let number = self.steps + 1;
         let is_native = self.is_native();
         self.attempt(true, environment, chooser, now_ns, |run| {
-            match run.program.main {
-                Some(main) => run.call_main(main, is_native)?,
-                None => return Err(run.stop(FaultKind::NoMain, Origin::default())),
-            }
-            run.check_invariants(true)
+            run.main_rule(is_native)
         })?;
         self.steps = number;
         self.recheck(environment, chooser, now_ns)?;
         Ok(self.last_step())
     }
 
+    /// Evaluates the rules of the next step without applying their updates: the state remains as it is, and so does the
+    /// number of steps. Requires [`Machine::can_revert`]. Returns the updates; [`Machine::last_step`] has the rest of the
+    /// record, without previous values. Invariants of the next state are not checked.
+    ///
+    /// Elements created by `extend` do not exist after the evaluation. Where [`Step::extended`] is not empty, a step is
+    /// necessary to reach the next state.
+    ///
+    /// # Errors
+    /// The step has no next state.
+    pub fn evaluate_step(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<&[Update], Box<StepFault>> {
+        let is_native = self.is_native();
+        self.collect(true, environment, chooser, now_ns, |run| {
+            run.main_rule(is_native)
+        })?;
+        let (_, reserve) = self.scratch.begun_at;
+        if self.state.store.reserve.len() > reserve {
+            // locations of the new elements are forgotten before the next evaluation
+            self.state.store.reserve.truncate(reserve);
+        } else {
+            // accessed locations have no influence on later steps
+            self.state.commit();
+        }
+        Ok(&self.scratch.updates.list)
+    }
+
     /// Evaluates rules in the current state and applies their updates. The first step also
     /// completes the initial state with its inputs and checks it.
     #[inline]
     pub(crate) fn attempt(
+        &mut self,
+        is_step: bool,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+        rules: impl FnOnce(&mut StepContext<'_>) -> Result<(), RuleStopped>,
+    ) -> Result<(), Box<StepFault>> {
+        self.collect(is_step, environment, chooser, now_ns, rules)?;
+        self.fire_updates();
+        self.state.commit();
+        if self.program.messages.is_some() {
+            let record = &mut self.scratch.record;
+            self.messages
+                .finish_step(&record.performed, now_ns, &mut record.sent);
+        }
+        Ok(())
+    }
+
+    /// Evaluates rules in the current state and collects their updates.
+    #[inline(always)]
+    fn collect(
         &mut self,
         is_step: bool,
         environment: &mut dyn Environment,
@@ -332,20 +390,15 @@ impl Machine {
             u64::from(run.bindings)
         });
         match evaluated {
-            Ok(bindings) => self.work += STEP + bindings,
+            Ok(bindings) => {
+                self.work += STEP + bindings;
+                Ok(())
+            }
             Err(fault) => {
                 self.state.store.reserve.truncate(reserve);
-                return Err(fault);
+                Err(fault)
             }
         }
-        self.fire_updates();
-        self.state.commit();
-        if self.program.messages.is_some() {
-            let record = &mut self.scratch.record;
-            self.messages
-                .finish_step(&record.performed, now_ns, &mut record.sent);
-        }
-        Ok(())
     }
 
     /// Checks the invariants of the state after the last step once more.

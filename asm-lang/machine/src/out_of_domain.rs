@@ -241,12 +241,11 @@ impl Machine {
         Ok(())
     }
 
-    /// Runs `work` outside a step, preserving the record of the last step.
+    /// Runs `work` outside a step, preserving the record of the last step. `work` evaluates terms, which add no updates.
     fn outside_step<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        let scratch = std::mem::take(&mut self.scratch);
-        self.scratch.updates.begin(self.state.len());
+        let sizes = self.scratch.record.sizes();
         let result = work(self);
-        self.scratch = scratch;
+        self.scratch.record.shrink(&sizes);
         result
     }
 }

@@ -41,7 +41,33 @@ pub(crate) struct StepLog {
     pub counts: Vec<u64>,
 }
 
+/// The sizes of a log's lists.
+pub(crate) struct LogSizes {
+    inputs: usize,
+    choices: usize,
+    picked: usize,
+    printed: usize,
+}
+
 impl StepLog {
+    /// Returns the sizes of the lists to which the evaluation of a term appends.
+    pub fn sizes(&self) -> LogSizes {
+        LogSizes {
+            inputs: self.inputs.len(),
+            choices: self.choices.len(),
+            picked: self.picked.len(),
+            printed: self.printed.len(),
+        }
+    }
+
+    /// Removes what was appended since the lists had these sizes.
+    pub fn shrink(&mut self, sizes: &LogSizes) {
+        self.inputs.truncate(sizes.inputs);
+        self.choices.truncate(sizes.choices);
+        self.picked.truncate(sizes.picked);
+        self.printed.truncate(sizes.printed);
+    }
+
     /// Increments a coverage counter.
     pub fn count(&mut self, counter: u32) {
         let index = counter as usize;
@@ -49,6 +75,14 @@ impl StepLog {
             self.counts.resize(index + 1, 0);
         }
         self.counts[index] += 1;
+    }
+
+    /// Allocates the coverage counters.
+    #[inline]
+    pub fn allocate_counts(&mut self, count: usize) {
+        if self.counts.len() < count {
+            self.counts.resize(count, 0);
+        }
     }
 
     /// Returns the value of a coverage counter.

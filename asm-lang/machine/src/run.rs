@@ -355,13 +355,19 @@ impl StepContext<'_> {
         }
     }
 
+    /// Runs the main rule at the start of a step, and checks the assumptions about inputs.
+    #[inline]
+    pub(crate) fn main_rule(&mut self, is_native: bool) -> Result<(), RuleStopped> {
+        match self.program.main {
+            Some(main) => self.call_main(main, is_native)?,
+            None => return Err(self.stop(FaultKind::NoMain, Origin::default())),
+        }
+        self.check_invariants(true)
+    }
+
     /// Runs the main rule at the start of a step.
     #[inline]
-    pub(crate) fn call_main(
-        &mut self,
-        main: RoutineId,
-        is_native: bool,
-    ) -> Result<(), RuleStopped> {
+    fn call_main(&mut self, main: RoutineId, is_native: bool) -> Result<(), RuleStopped> {
         let code = self.code;
         let Some(Ok(native)) = code.native.get().filter(|_| is_native) else {
             return self.call_routine(main, 0);

@@ -135,6 +135,7 @@ pub(crate) struct Regions {
     /// Lengths of the lists, separate because they change with every update.
     pub length: MemFlagsData,
     pub locals: MemFlagsData,
+    pub counters: MemFlagsData,
 }
 
 /// Generates one function.
@@ -216,6 +217,7 @@ fn regions(builder: &mut FunctionBuilder<'_>) -> Regions {
         updates: region("updates"),
         length: region("length"),
         locals: region("locals"),
+        counters: region("counters"),
     }
 }
 

@@ -43,6 +43,8 @@ pub(crate) struct NativeFrame {
     /// Number of further updates within a sequence for which all three lists have capacity.
     sequence_room: usize,
     locals: *mut Value,
+    /// Coverage counters; all are allocated on entry, so they stay in place.
+    counters: *mut u64,
     /// Value of a term evaluated by a closure.
     answer: Value,
     /// Argument of host functions that write a scalar.
@@ -71,6 +73,7 @@ pub(crate) mod at {
     pub const COVERED_LENGTH: i32 = offset_of!(NativeFrame, covered_length) as i32;
     pub const SEQUENCE_ROOM: i32 = offset_of!(NativeFrame, sequence_room) as i32;
     pub const LOCALS: i32 = offset_of!(NativeFrame, locals) as i32;
+    pub const COUNTERS: i32 = offset_of!(NativeFrame, counters) as i32;
     pub const ANSWER: i32 = offset_of!(NativeFrame, answer) as i32;
     pub const GIVEN: i32 = offset_of!(NativeFrame, given) as i32;
     pub const EPOCH: i32 = offset_of!(NativeFrame, epoch) as i32;
@@ -124,6 +127,7 @@ impl NativeFrame {
             covered_length: 0,
             sequence_room: 0,
             locals: std::ptr::null_mut(),
+            counters: run.counters().as_mut_ptr(),
             answer: Value::Undef,
             given: ManuallyDrop::new(Value::Undef),
             epoch: 0,

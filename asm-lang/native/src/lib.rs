@@ -9,6 +9,7 @@
 //! both back ends.
 
 mod compile;
+mod counted;
 mod detour;
 mod emit;
 mod frame;

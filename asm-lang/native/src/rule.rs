@@ -39,6 +39,9 @@ impl Emitter<'_> {
     }
 
     fn rule_here(&mut self, rule: &Rule) {
+        if let RuleNode::Counted(counter, counted) = &*rule.node {
+            return self.counted_rule(*counter, counted);
+        }
         if !self.has_room() {
             return self.rule_outside(rule);
         }

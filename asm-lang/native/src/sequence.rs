@@ -5,9 +5,18 @@
 //! its layer, because this does not change their net updates.
 
 use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
-use asmotion_ir::{AssignTarget, Rule, RuleNode, Slot, Term};
+use asmotion_ir::{AssignTarget, Counter, Origin, Rule, RuleNode, Slot, Term};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
+
+/// An update of a known slot.
+struct SlotUpdate<'r> {
+    place: &'r AssignTarget,
+    value: &'r Term,
+    origin: Origin,
+    /// Coverage counter of the update, if any.
+    counter: Option<u32>,
+}
 
 impl Emitter<'_> {
     /// Generates code for a sequence of rules.
@@ -53,17 +62,20 @@ impl Emitter<'_> {
             return;
         };
         let done = self.block();
-        let counts = self.any_counts(updates.iter().map(|(_, value, _)| *value));
+        let counts = self.any_counts(updates.iter().map(|update| update.value));
         let native = |this: &mut Self| {
             let mut values: Vec<KnownValue> = Vec::new();
-            for (place, value, _) in &updates {
-                let value = this.scalar(value);
-                this.check_domain(place, value);
+            for update in &updates {
+                let value = this.scalar(update.value);
+                this.check_domain(update.place, value);
                 values.push(value);
             }
-            for ((place, _, rule), value) in updates.iter().zip(values) {
-                if let Some(target) = this.target(place) {
-                    this.write(&target, value, rule.origin);
+            for (update, value) in updates.iter().zip(values) {
+                if let Some(counter) = update.counter {
+                    this.count(counter);
+                }
+                if let Some(target) = this.target(update.place) {
+                    this.write(&target, value, update.origin);
                 }
             }
         };
@@ -71,13 +83,15 @@ impl Emitter<'_> {
     }
 
     /// Returns the updates that the rules consist of, if their slots are distinct.
-    fn disjoint_updates<'r>(
-        &self,
-        rules: &'r [Rule],
-    ) -> Option<Vec<(&'r AssignTarget, &'r Term, &'r Rule)>> {
+    fn disjoint_updates<'r>(&self, rules: &'r [Rule]) -> Option<Vec<SlotUpdate<'r>>> {
         let mut slots: Vec<Slot> = Vec::new();
         let mut updates = Vec::new();
         for rule in rules {
+            let mut counter = None;
+            let mut rule = rule;
+            if let RuleNode::Counted(Counter::Count(known), counted) = &*rule.node {
+                (rule, counter) = (counted, Some(*known));
+            }
             let RuleNode::Update(place, value) = &*rule.node else {
                 return None;
             };
@@ -88,7 +102,12 @@ impl Emitter<'_> {
                 return None;
             }
             slots.push(*slot);
-            updates.push((place, value, rule));
+            updates.push(SlotUpdate {
+                place,
+                value,
+                origin: rule.origin,
+                counter,
+            });
         }
         Some(updates)
     }
@@ -100,7 +119,7 @@ pub(crate) fn always_writes(rule: &Rule) -> bool {
         RuleNode::Update(..) => true,
         RuleNode::Par(rules) | RuleNode::Seq(rules) => rules.iter().any(always_writes),
         RuleNode::If(_, then, otherwise) => always_writes(then) && always_writes(otherwise),
-        RuleNode::Let(_, body) => always_writes(body),
+        RuleNode::Let(_, body) | RuleNode::Counted(_, body) => always_writes(body),
         RuleNode::Skip
         | RuleNode::Assign(..)
         | RuleNode::Call(..)
@@ -114,7 +133,6 @@ pub(crate) fn always_writes(rule: &Rule) -> bool {
         | RuleNode::Local { .. }
         | RuleNode::Draw(..)
         | RuleNode::Act(..)
-        | RuleNode::Counted(..)
         | RuleNode::Watched(_) => false,
     }
 }

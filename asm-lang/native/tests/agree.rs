@@ -23,7 +23,39 @@ fn open(name: &str, text: &str) -> Option<Specification> {
     asmotion_lang::open(name, &files).ok()
 }
 
-/// Returns the trace of each step, followed by the state after it.
+/// Returns the programs of the repository that have a main rule and an initial state.
+fn programs() -> Vec<(String, Specification)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut programs = Vec::new();
+    for folder in ["tests/language/semantics", "benches/machines", "specs"] {
+        let entries = std::fs::read_dir(root.join(folder)).unwrap();
+        for path in entries.map(|entry| entry.unwrap().path()) {
+            if path.extension().is_none_or(|end| end != "asm") {
+                continue;
+            }
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            let text = std::fs::read_to_string(&path).unwrap();
+            let opened = open(&name, &text);
+            if let Some(specification) = opened
+                && specification.program.main.is_some()
+                && specification.machine().is_ok()
+            {
+                programs.push((name, specification));
+            }
+        }
+    }
+    assert!(programs.len() > 90, "only {} programs", programs.len());
+    programs
+}
+
+fn machine(name: &str, specification: &Specification, back_end: BackEnd) -> Machine {
+    let mut machine = specification.machine().unwrap();
+    machine.set_back_end(back_end).unwrap();
+    assert_eq!(machine.back_end(), back_end, "in {name}");
+    machine
+}
+
+/// Returns the trace of each step, followed by the state after it and the coverage so far.
 fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
     let mut inputs = Random::new(specification.program.clone(), &machine, 5);
     let mut choices = Seeded::new(5);
@@ -40,7 +72,8 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
         }
         faults += usize::from(result.is_err());
         let text = trace.end(&machine, result.err().as_deref());
-        done.push(format!("{text}\n{:?}", machine.snapshot()));
+        let (state, counts) = (machine.snapshot(), machine.counts());
+        done.push(format!("{text}\n{state:?}\n{counts:?}"));
         if faults == FAULTS {
             break;
         }
@@ -48,38 +81,87 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
     done
 }
 
+fn assert_same_runs(name: &str, specification: &Specification) {
+    let closures = machine(name, specification, BackEnd::Closures);
+    let native = machine(name, specification, BackEnd::Native);
+    let (closures, native) = (run(specification, closures), run(specification, native));
+    for (step, (closures, native)) in closures.iter().zip(&native).enumerate() {
+        assert_eq!(native, closures, "in {name}, step {}", step + 1);
+    }
+    assert_eq!(native.len(), closures.len(), "in {name}");
+}
+
 #[test]
 fn both_back_ends_lead_to_the_same_states() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for (name, specification) in programs() {
+        assert_same_runs(&name, &specification);
+    }
+}
+
+#[test]
+fn both_back_ends_count_the_same_coverage() {
+    for (name, mut specification) in programs() {
+        specification.lower_covered().unwrap();
+        assert!(!specification.program.counted.is_empty(), "in {name}");
+        assert_same_runs(&name, &specification);
+    }
+}
+
+#[test]
+fn an_evaluated_step_has_the_updates_of_the_step_and_changes_nothing() {
     let mut compared = 0;
-    for folder in ["tests/language/semantics", "benches/machines", "specs"] {
-        let entries = std::fs::read_dir(root.join(folder)).unwrap();
-        for path in entries.map(|entry| entry.unwrap().path()) {
-            if path.extension().is_none_or(|end| end != "asm") {
-                continue;
+    for (name, specification) in programs() {
+        for back_end in [BackEnd::Closures, BackEnd::Native] {
+            let mut machine = machine(&name, &specification, back_end);
+            let mut inputs = Random::new(specification.program.clone(), &machine, 5);
+            let mut choices = Seeded::new(5);
+            for now in 0..STEPS {
+                let mut evaluated = None;
+                if machine.can_revert() {
+                    let before = machine.snapshot();
+                    // twice, because an evaluation must leave no trace that influences the next one
+                    for _ in 0..2 {
+                        let (mut inputs, mut choices) = (inputs.clone(), choices.clone());
+                        let result = machine.evaluate_step(&mut inputs, &mut choices, now);
+                        let result = result.map(<[_]>::to_vec);
+                        let step = machine.last_step();
+                        let record = (
+                            step.extended().to_vec(),
+                            step.choices().to_vec(),
+                            step.printed().to_vec(),
+                        );
+                        assert_eq!(
+                            machine.snapshot().state(),
+                            before.state(),
+                            "in {name}, step {now}"
+                        );
+                        assert_eq!(machine.steps(), before.steps(), "in {name}");
+                        if let Some(evaluated) = evaluated {
+                            assert_eq!(evaluated, (result.clone(), record.clone()), "in {name}");
+                        }
+                        evaluated = Some((result, record));
+                    }
+                }
+                let number = machine.steps();
+                let result = machine
+                    .step(&mut inputs, &mut choices, now)
+                    .map(|step| step.updates().to_vec());
+                if let Some((evaluated, record)) = evaluated {
+                    // a violated invariant is a fault of the next state
+                    if result.is_ok() || machine.steps() == number {
+                        assert_eq!(evaluated, result, "in {name}, step {now}");
+                    }
+                    let step = machine.last_step();
+                    assert_eq!(record.0, step.extended(), "in {name}");
+                    assert_eq!(record.1, step.choices(), "in {name}");
+                    assert_eq!(record.2, step.printed(), "in {name}");
+                    compared += 1;
+                }
+                if result.is_err() {
+                    break;
+                }
             }
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            let text = std::fs::read_to_string(&path).unwrap();
-            let Some(specification) = open(&name, &text) else {
-                continue;
-            };
-            let Ok(mut closures) = specification.machine() else {
-                continue;
-            };
-            let mut native = closures.clone();
-            closures.set_back_end(BackEnd::Closures).unwrap();
-            if specification.program.main.is_none() {
-                continue;
-            }
-            native.set_back_end(BackEnd::Native).unwrap();
-            assert_eq!(native.back_end(), BackEnd::Native, "in {name}");
-            let (closures, native) = (run(&specification, closures), run(&specification, native));
-            for (step, (closures, native)) in closures.iter().zip(&native).enumerate() {
-                assert_eq!(native, closures, "in {name}, step {}", step + 1);
-            }
-            assert_eq!(native.len(), closures.len(), "in {name}");
-            compared += 1;
         }
     }
-    assert!(compared > 90, "only {compared} programs ran");
+    assert!(compared > 1_000, "only {compared} steps");
 }
