@@ -1,30 +1,38 @@
 //! Runs that show a violation or a possibility, step by step.
 
-use crate::decisions::{DecidedChoices, DecidedInputs, Decision, Decisions};
+use crate::decisions::{Decision, Decisions};
 use crate::explore::Exploration;
-use crate::inputs::InputRanges;
+use crate::transition::{MachineFault, TransitionSystem};
+use crate::verify::VerifiedMachine;
 use asmotion_diagnostics::{Diagnostic, Span};
 use asmotion_lang::simulate::{Trace, location};
-use asmotion_lang::{Machine, Specification, StepFault, Value};
+use asmotion_lang::{Machine, Value};
 
 /// A run from an initial state.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// Locations of the initial state, with their values, sorted by location.
+    /// Locations of the initial state, with their values, sorted by machine and location. In a system of several machines, a
+    /// location starts with the name of its machine, as in `courier.mode`.
     pub initial: Vec<(String, String)>,
-    /// Steps in order.
+    /// Steps of machines in order. In a system of several machines, a transition can consist of several of them: see
+    /// [`RunStep::transition`].
     pub steps: Vec<RunStep>,
     /// Index of the step with which a cycle begins that the run repeats for ever; the cycle lasts until the last step.
     pub cycle: Option<usize>,
     /// Inputs in the last state that the property mentions.
     pub inputs: Vec<(String, String)>,
-    /// The run in the format of `asmotion sim --trace`, which `asmotion sim --replay-inputs` repeats.
-    pub trace: String,
+    /// For each machine, the run in the format of `asmotion sim --trace`, which `asmotion sim --replay-inputs` repeats.
+    pub traces: Vec<String>,
 }
 
 /// A step of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunStep {
+    /// Index of the machine that makes the step, in [`Verification::machines`](crate::Verification::machines).
+    pub machine: usize,
+    /// Number of the transition that the step is part of, from 1. An environment and the machines that it surrounds move in one
+    /// transition, and so do the machines of a synchronous system.
+    pub transition: usize,
     /// Inputs that the step read, in order.
     pub inputs: Vec<(String, String)>,
     /// Choices: index, number of candidates, and place.
@@ -70,64 +78,74 @@ impl NodePath {
 }
 
 /// Makes runs of paths.
-pub(crate) struct Replay<'a> {
-    pub specification: &'a Specification,
+pub(crate) struct Replay<'a, S> {
+    pub machines: &'a [VerifiedMachine],
     pub exploration: &'a Exploration,
-    pub ranges: &'a InputRanges,
-    /// Machine in the initial state.
-    pub machine: &'a Machine,
+    /// System in the initial state.
+    pub system: &'a S,
 }
 
-impl Replay<'_> {
+impl<S: TransitionSystem> Replay<'_, S> {
     /// Executes a path.
     pub fn run(&self, path: &NodePath) -> Run {
-        let mut machine = self.machine.clone();
-        let mut trace = Trace::begin(&machine, "a run that `asmotion verify` found");
+        let mut system = self.system.clone();
+        let begin = |machine| Trace::begin(machine, "a run that `asmotion verify` found");
+        let mut traces: Vec<Trace> = system.machines().iter().map(begin).collect();
         let mut run = Run {
-            initial: locations(&machine),
-            cycle: path.cycle,
+            initial: self.locations(&system),
             ..Run::default()
         };
         let back = path.cycle.and_then(|index| path.nodes.get(index));
         let ends = path.nodes.iter().skip(1).chain(back);
         let mut stopped = None;
-        for (from, to) in path.nodes.iter().zip(ends) {
+        for (index, (from, to)) in path.nodes.iter().zip(ends).enumerate() {
+            if path.cycle == Some(index) {
+                run.cycle = Some(run.steps.len());
+            }
             let Some(decisions) = self.decisions(*from, *to) else {
                 break;
             };
-            let (step, _) = self.step(&mut machine, *from, &decisions, &mut trace);
-            run.steps.push(step);
+            self.step(&mut system, *from, &decisions, &mut traces, &mut run);
+        }
+        if path.cycle.is_some() && run.cycle.is_none() {
+            run.cycle = Some(run.steps.len());
         }
         if let (Some(decisions), Some(last)) = (&path.failing, path.nodes.last()) {
-            let (step, fault) = self.step(&mut machine, *last, decisions, &mut trace);
-            stopped = fault;
-            run.steps.push(step);
+            stopped = self.step(&mut system, *last, decisions, &mut traces, &mut run);
         }
         if let (None, Some(last)) = (path.cycle, path.nodes.last()) {
             let inputs = self.exploration.inputs(*last).iter();
-            let shown = inputs.map(|input| {
+            let shown = inputs.filter_map(|input| {
+                let machine = system.machines().get(input.machine)?;
                 let naming = machine.naming();
                 let name =
-                    asmotion_lang::simulate::applied(&machine, input.function, &input.arguments);
-                (name, input.value.show(&naming).to_string())
+                    asmotion_lang::simulate::applied(machine, input.function, &input.arguments);
+                let name = self.qualified(input.machine, name);
+                Some((name, input.value.show(&naming).to_string()))
             });
             run.inputs = shown.collect();
         }
-        run.trace = trace.end(&machine, stopped.as_deref());
+        let traces = traces.into_iter().zip(system.machines()).enumerate();
+        run.traces = traces
+            .map(|(index, (trace, machine))| {
+                let fault = stopped.as_ref().filter(|it| it.machine == index);
+                trace.end(machine, fault.map(|it| &*it.fault))
+            })
+            .collect();
         run
     }
 
     /// Returns the first decisions that lead from a node to another.
     fn decisions(&self, from: u32, to: u32) -> Option<Vec<Decision>> {
-        let mut machine = self.machine.clone();
+        let mut system = self.system.clone();
         let (from_state, to_state) = (self.exploration.state(from), self.exploration.state(to));
         let decisions = Decisions::default();
         let mut packed = Vec::new();
         loop {
-            machine.restore_state(from_state).ok()?;
-            let done = self.execute(&mut machine, from, &decisions);
+            system.restore(from_state);
+            let done = system.step(&decisions, self.exploration.inputs(from));
             packed.clear();
-            machine.pack_state(&mut packed);
+            system.pack(&mut packed);
             if done.is_ok() && packed == to_state {
                 return Some(decisions.taken());
             }
@@ -137,42 +155,53 @@ impl Replay<'_> {
         }
     }
 
-    fn execute(
-        &self,
-        machine: &mut Machine,
-        node: u32,
-        decisions: &Decisions,
-    ) -> Result<(), Box<StepFault>> {
-        let mut inputs = DecidedInputs {
-            decisions,
-            ranges: self.ranges,
-            known: self.exploration.inputs(node),
-        };
-        let mut choices = DecidedChoices(decisions);
-        machine.step(&mut inputs, &mut choices, 0).map(|_| ())
-    }
-
+    /// Executes a transition and appends its steps to the run. Returns the fault of a step that fails.
     fn step(
         &self,
-        machine: &mut Machine,
+        system: &mut S,
         node: u32,
         taken: &[Decision],
-        trace: &mut Trace,
-    ) -> (RunStep, Option<Box<StepFault>>) {
+        traces: &mut [Trace],
+        run: &mut Run,
+    ) -> Option<MachineFault> {
         let decisions = Decisions::default();
         decisions.repeat(taken);
-        let done = self.execute(machine, node, &decisions);
-        match &done {
-            Ok(()) => trace.step(machine),
-            Err(fault) => trace.fault(machine, fault),
+        let done = system.step(&decisions, self.exploration.inputs(node));
+        let fault = done.err();
+        let transition = run.steps.last().map_or(0, |step| step.transition) + 1;
+        for &index in system.moved() {
+            let Some(machine) = system.machines().get(index) else {
+                continue;
+            };
+            let fault = fault.as_ref().filter(|it| it.machine == index);
+            if let Some(trace) = traces.get_mut(index) {
+                match fault {
+                    None => trace.step(machine),
+                    Some(fault) => trace.fault(machine, &fault.fault),
+                }
+            }
+            run.steps
+                .push(self.shown(index, machine, transition, fault));
         }
+        fault
+    }
+
+    fn shown(
+        &self,
+        index: usize,
+        machine: &Machine,
+        transition: usize,
+        fault: Option<&MachineFault>,
+    ) -> RunStep {
+        let specification = self.machines.get(index).map(|it| &it.specification);
+        let place = |origin| specification.map_or_else(Span::default, |known| known.span(origin));
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
         let step = machine.last_step();
         let inputs = step.inputs().iter();
         let inputs = inputs.map(|input| (location(machine, input.slot), show(&input.value)));
         let choices = step.choices().iter();
-        let choices = choices.map(|it| (it.index, it.count, self.specification.span(it.origin)));
+        let choices = choices.map(|it| (it.index, it.count, place(it.origin)));
         let mut updates: Vec<RunUpdate> = Vec::new();
         for (update, before) in step.updates().iter().zip(step.before()) {
             if update.value != *before {
@@ -180,21 +209,41 @@ impl Replay<'_> {
                     location: location(machine, update.slot),
                     before: show(before),
                     after: show(&update.value),
-                    place: self.specification.span(update.origin),
+                    place: place(update.origin),
                 });
             }
         }
         updates.sort_by(|left, right| left.location.cmp(&right.location));
-        let fault = done.err();
-        let explained = fault.as_deref();
-        let explained = explained.map(|it| Box::new(self.specification.explain_in(it, machine)));
-        let step = RunStep {
+        let explained = fault.and_then(|fault| {
+            let diagnostic = specification?.explain_in(&fault.fault, machine);
+            Some(Box::new(diagnostic))
+        });
+        RunStep {
+            machine: index,
+            transition,
             inputs: inputs.collect(),
             choices: choices.collect(),
             updates,
             fault: explained,
-        };
-        (step, fault)
+        }
+    }
+
+    /// Returns the locations of the specifications that rules update, with their values.
+    fn locations(&self, system: &S) -> Vec<(String, String)> {
+        let machines = system.machines().iter().enumerate();
+        let all = machines.flat_map(|(index, machine)| {
+            let locations = locations(machine).into_iter();
+            locations.map(move |(name, value)| (self.qualified(index, name), value))
+        });
+        all.collect()
+    }
+
+    /// Returns the name of a location, with that of its machine if there are several.
+    fn qualified(&self, machine: usize, name: String) -> String {
+        match self.machines.get(machine) {
+            Some(known) if self.machines.len() > 1 => format!("{}.{name}", known.name),
+            Some(_) | None => name,
+        }
     }
 }
 

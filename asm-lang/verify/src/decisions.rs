@@ -9,6 +9,8 @@ use std::cell::RefCell;
 /// The value of an input location.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct InputValue {
+    /// Index of the machine that reads it.
+    pub machine: usize,
     pub function: FunctionId,
     pub arguments: Box<[Value]>,
     pub value: Value,
@@ -109,6 +111,8 @@ impl Chooser for DecidedChoices<'_> {
 
 /// The inputs of an execution: those that are known, and one of the possible values for each other one.
 pub(crate) struct DecidedInputs<'a> {
+    /// Index of the machine that reads them.
+    pub machine: usize,
     pub decisions: &'a Decisions,
     pub ranges: &'a InputRanges,
     pub known: &'a [InputValue],
@@ -116,8 +120,11 @@ pub(crate) struct DecidedInputs<'a> {
 
 impl Environment for DecidedInputs<'_> {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
-        let is_it =
-            |input: &&InputValue| input.function == function && *input.arguments == *arguments;
+        let is_it = |input: &&InputValue| {
+            input.machine == self.machine
+                && input.function == function
+                && *input.arguments == *arguments
+        };
         if let Some(known) = self.known.iter().find(is_it) {
             return Ok(Some(known.value.clone()));
         }
@@ -129,6 +136,7 @@ impl Environment for DecidedInputs<'_> {
         let taken = current.next(values.len());
         let value = values.get(taken).cloned().unwrap_or_default();
         current.read.push(InputValue {
+            machine: self.machine,
             function,
             arguments: arguments.into(),
             value: value.clone(),

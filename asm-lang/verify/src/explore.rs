@@ -3,11 +3,10 @@
 //! A *state* contains the locations that rules update. A *node* is a state together with the values of the inputs that
 //! properties mention; without such inputs, each state is one node. The nodes of a state are consecutive.
 
-use crate::decisions::{DecidedChoices, DecidedInputs, Decision, Decisions, InputValue};
-use crate::inputs::InputRanges;
+use crate::decisions::{Decision, Decisions, InputValue};
 use crate::store::StateStore;
-use asmotion_lang::hir::AddedTerm;
-use asmotion_lang::{FaultKind, Machine, StepFault, Value};
+use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
+use asmotion_lang::{FaultKind, Value};
 use std::collections::{BTreeMap, HashMap};
 
 /// Parent of an initial node.
@@ -59,11 +58,11 @@ pub enum Incomplete {
 #[derive(Debug)]
 pub(crate) enum ExplorationError {
     /// A step or a property reads an input whose values cannot be enumerated.
-    Input(Box<StepFault>),
+    Input(MachineFault),
     /// A step or the properties have too many alternatives in a state.
     Alternatives,
     /// The initial state cannot be computed.
-    Initial(Box<StepFault>),
+    Initial(MachineFault),
 }
 
 /// A step that fails.
@@ -72,7 +71,7 @@ pub(crate) struct FoundFault {
     /// The node before the step.
     pub node: u32,
     pub decisions: Vec<Decision>,
-    pub fault: Box<StepFault>,
+    pub fault: MachineFault,
     /// Number of executions that fail in this way.
     pub count: u64,
 }
@@ -109,7 +108,7 @@ impl Truths {
 /// The conditions that are evaluated at each node.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Conditions {
-    pub terms: Vec<AddedTerm>,
+    pub terms: Vec<ConditionTerm>,
     /// Indices of the conditions without which a node is not considered.
     pub assumed: Vec<usize>,
 }
@@ -134,7 +133,7 @@ pub(crate) struct Exploration {
     /// Number of nodes at which each condition is undef.
     pub undefined: Vec<u64>,
     /// Conditions whose evaluation fails, with the first fault.
-    pub failed_terms: BTreeMap<usize, Box<StepFault>>,
+    pub failed_terms: BTreeMap<usize, MachineFault>,
     /// Edges of each explored node: its end in `targets`.
     pub edge_ends: Vec<u64>,
     pub targets: Vec<u32>,
@@ -151,8 +150,8 @@ pub(crate) struct Exploration {
     /// Nodes that an assumption excludes.
     pub excluded: u64,
     pub incomplete: Option<Incomplete>,
-    /// Coverage counts of the machine.
-    pub counts: Vec<u64>,
+    /// Coverage counts of each machine.
+    pub counts: Vec<Vec<u64>>,
 }
 
 impl Exploration {
@@ -225,9 +224,8 @@ impl Exploration {
 }
 
 /// An exploration in progress.
-pub(crate) struct Explorer<'a> {
-    pub machine: Machine,
-    pub ranges: &'a InputRanges,
+pub(crate) struct Explorer<'a, S> {
+    pub system: S,
     pub conditions: &'a Conditions,
     pub limits: Limits,
     found: Exploration,
@@ -238,14 +236,8 @@ pub(crate) struct Explorer<'a> {
     packed: Vec<u8>,
 }
 
-impl<'a> Explorer<'a> {
-    pub fn new(
-        machine: Machine,
-        ranges: &'a InputRanges,
-        conditions: &'a Conditions,
-        limits: Limits,
-        keeps_edges: bool,
-    ) -> Self {
+impl<'a, S: TransitionSystem> Explorer<'a, S> {
+    pub fn new(system: S, conditions: &'a Conditions, limits: Limits, keeps_edges: bool) -> Self {
         let count = conditions.terms.len();
         let found = Exploration {
             truths: vec![Truths::default(); count],
@@ -254,8 +246,7 @@ impl<'a> Explorer<'a> {
             ..Exploration::default()
         };
         Self {
-            machine,
-            ranges,
+            system,
             conditions,
             limits,
             found,
@@ -272,7 +263,7 @@ impl<'a> Explorer<'a> {
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
         self.packed.clear();
-        self.machine.pack_state(&mut self.packed);
+        self.system.pack(&mut self.packed);
         self.found.transitions = 1;
         self.arrive(NO_PARENT)?;
         self.found.initial = self.found.nodes();
@@ -293,7 +284,7 @@ impl<'a> Explorer<'a> {
             node += 1;
             self.found.explored = node;
         }
-        self.found.counts = self.machine.counts();
+        self.found.counts = self.system.counts();
         Ok(self.found)
     }
 
@@ -345,7 +336,7 @@ impl<'a> Explorer<'a> {
             .unwrap_or_default();
         let bytes = self.found.state(node).to_vec();
         let first_edge = self.found.targets.len();
-        self.restore(&bytes);
+        self.system.restore(&bytes);
         self.decisions.restart();
         let mut executions = 0;
         let mut rests = true;
@@ -354,12 +345,12 @@ impl<'a> Explorer<'a> {
             if executions > MAX_EXECUTIONS {
                 return Err(ExplorationError::Alternatives);
             }
-            let can_revert = self.machine.can_revert();
-            match self.step(&inputs) {
+            let can_revert = self.system.can_revert();
+            match self.system.step(&self.decisions, &inputs) {
                 Ok(has_updates) => {
                     self.found.transitions += u64::from(has_updates);
                     self.packed.clear();
-                    self.machine.pack_state(&mut self.packed);
+                    self.system.pack(&mut self.packed);
                     rests &= self.arrive(node)? == state;
                 }
                 Err(fault) => {
@@ -371,30 +362,13 @@ impl<'a> Explorer<'a> {
                 break;
             }
             if can_revert {
-                self.machine.revert();
+                self.system.revert();
             } else {
-                self.restore(&bytes);
+                self.system.restore(&bytes);
             }
         }
         self.finish(node, state, rests, first_edge);
         Ok(())
-    }
-
-    fn restore(&mut self, state: &[u8]) {
-        // cannot fail: the bytes are from a machine with this program
-        let _ = self.machine.restore_state(state);
-    }
-
-    /// Executes the step; returns `true` if it updates a location.
-    fn step(&mut self, known: &[InputValue]) -> Result<bool, Box<StepFault>> {
-        let mut inputs = DecidedInputs {
-            decisions: &self.decisions,
-            ranges: self.ranges,
-            known,
-        };
-        let mut choices = DecidedChoices(&self.decisions);
-        let step = self.machine.step(&mut inputs, &mut choices, 0)?;
-        Ok(!step.updates().is_empty())
     }
 
     /// Adds the state in `packed`, in which the machine is, and its nodes. Returns its number.
@@ -454,17 +428,10 @@ impl<'a> Explorer<'a> {
         self.values.clear();
         let terms = &self.conditions.terms;
         while self.values.len() < terms.len() {
-            let mut inputs = DecidedInputs {
-                decisions,
-                ranges: self.ranges,
-                known: &[],
-            };
             let rest = terms.get(self.values.len()..).unwrap_or_default();
-            let done = self
-                .machine
-                .evaluate_each(rest, &mut inputs, 0, &mut self.values);
-            if let Err((_, fault)) = done {
-                if let FaultKind::Input { .. } = fault.kind {
+            let done = self.system.evaluate(rest, decisions, &mut self.values);
+            if let Err(fault) = done {
+                if let FaultKind::Input { .. } = fault.fault.kind {
                     return Err(ExplorationError::Input(fault));
                 }
                 let index = self.values.len();
@@ -514,16 +481,19 @@ impl<'a> Explorer<'a> {
         }
     }
 
-    fn fault(&mut self, node: u32, fault: Box<StepFault>) -> Result<(), ExplorationError> {
+    fn fault(&mut self, node: u32, found: MachineFault) -> Result<(), ExplorationError> {
+        let fault = &found.fault;
         if let FaultKind::Input { .. } = fault.kind {
-            return Err(ExplorationError::Input(fault));
+            return Err(ExplorationError::Input(found));
         }
         if node == 0 && fault.step == 0 {
-            return Err(ExplorationError::Initial(fault));
+            return Err(ExplorationError::Initial(found));
         }
         let same = |known: &&mut FoundFault| {
-            known.fault.origin == fault.origin
-                && std::mem::discriminant(&known.fault.kind) == std::mem::discriminant(&fault.kind)
+            let before = &known.fault.fault;
+            known.fault.machine == found.machine
+                && before.origin == fault.origin
+                && std::mem::discriminant(&before.kind) == std::mem::discriminant(&fault.kind)
         };
         if let Some(known) = self.found.faults.iter_mut().find(same) {
             known.count += 1;
@@ -531,7 +501,7 @@ impl<'a> Explorer<'a> {
             self.found.faults.push(FoundFault {
                 node,
                 decisions: self.decisions.taken(),
-                fault,
+                fault: found,
                 count: 1,
             });
         }

@@ -39,6 +39,7 @@ mod preparation;
 mod property;
 mod reads;
 mod store;
+mod transition;
 mod verdicts;
 mod verify;
 
@@ -47,4 +48,4 @@ pub use counterexample::{Run, RunStep, RunUpdate};
 pub use explore::{Incomplete, Limits, Progress};
 pub use options::{InputValues, Options};
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
-pub use verify::{Refusal, Verification, verify};
+pub use verify::{Refusal, Verification, VerifiedMachine, verify};

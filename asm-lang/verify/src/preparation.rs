@@ -9,6 +9,7 @@ use crate::logic::FairnessFormula;
 use crate::options::Options;
 use crate::property::PropertyKind;
 use crate::reads::Reads;
+use crate::transition::ConditionTerm;
 use asmotion_diagnostics::{Finding, Sources, Span};
 use asmotion_lang::hir::{Expression, Invariant, PropertyLogic, TemporalProperty};
 use asmotion_lang::{Diagnostic, Report, Specification};
@@ -16,6 +17,8 @@ use asmotion_lang::{Diagnostic, Report, Specification};
 /// A property that is to be checked.
 pub(crate) struct Property {
     pub kind: PropertyKind,
+    /// Index of the machine in whose specification the property is.
+    pub machine: usize,
     pub name: Option<String>,
     pub text: String,
     pub place: Option<Span>,
@@ -78,7 +81,10 @@ pub(crate) fn prepare(
         report,
         ..
     } = preparation;
-    prepared.conditions.terms = formulas.conditions;
+    let terms = formulas.conditions.into_iter();
+    prepared.conditions.terms = terms
+        .map(|term| ConditionTerm { machine: 0, term })
+        .collect();
     prepared.texts = formulas
         .places
         .iter()
@@ -178,6 +184,7 @@ impl Preparation<'_> {
         let name = (*invariant.name != *text).then(|| invariant.name.to_string());
         self.prepared.properties.push(Property {
             kind: PropertyKind::Invariant,
+            machine: 0,
             name,
             text,
             place: Some(place),
@@ -288,6 +295,7 @@ impl Preparation<'_> {
             let antecedents = self.formulas.antecedents(&term.root);
             self.prepared.properties.push(Property {
                 kind,
+                machine: 0,
                 name,
                 text,
                 place,

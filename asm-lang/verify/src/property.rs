@@ -9,6 +9,9 @@ use asmotion_lang::Diagnostic;
 pub struct CheckedProperty {
     /// Kind of the property.
     pub kind: PropertyKind,
+    /// Index of the machine whose specification contains the property, in
+    /// [`Verification::machines`](crate::Verification::machines).
+    pub machine: usize,
     /// Declared name, if it has one.
     pub name: Option<String>,
     /// Text of the formula, on one line; a description for the kinds without one.

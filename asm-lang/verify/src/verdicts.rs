@@ -5,6 +5,7 @@ use crate::formula::{Formula, Operator};
 use crate::logic::{self, Checker, LogicError};
 use crate::preparation::{Prepared, Property};
 use crate::property::{CheckedProperty, Note, PropertyKind, Verdict};
+use crate::transition::TransitionSystem;
 use asmotion_lang::coverage::Coverage;
 use asmotion_temporal::FairPaths;
 
@@ -53,9 +54,9 @@ impl Prepared {
 }
 
 /// Checks the properties, of which only those with these names or texts, or all and the general ones if there are none.
-pub(crate) fn verdicts(
+pub(crate) fn verdicts<S: TransitionSystem>(
     prepared: &Prepared,
-    replay: &Replay<'_>,
+    replay: &Replay<'_, S>,
     only: &[String],
 ) -> Result<Vec<CheckedProperty>, LogicError> {
     let exploration = replay.exploration;
@@ -85,14 +86,14 @@ pub(crate) fn verdicts(
 }
 
 /// Everything that a verdict depends on.
-struct Judge<'a> {
+struct Judge<'a, S> {
     prepared: &'a Prepared,
-    replay: &'a Replay<'a>,
+    replay: &'a Replay<'a, S>,
     /// `None` if no property needs it, or if not all transitions are known.
     checker: Option<Checker>,
 }
 
-impl Judge<'_> {
+impl<S: TransitionSystem> Judge<'_, S> {
     fn property(&self, property: &Property) -> Result<CheckedProperty, LogicError> {
         let mut notes = self.notes(property);
         let verdict = match (self.prepared.of_nodes(property), &self.checker) {
@@ -105,6 +106,7 @@ impl Judge<'_> {
         }
         Ok(CheckedProperty {
             kind: property.kind,
+            machine: property.machine,
             name: property.name.clone(),
             text: property.text.clone(),
             place: property.place,
@@ -164,8 +166,9 @@ impl Judge<'_> {
         let mut undefined = 0;
         logic::visit_conditions(&property.formula, &mut |index| {
             if let Some(fault) = exploration.failed_terms.get(&index) {
-                let diagnostic = self.replay.specification.explain(fault);
-                notes.push(Note::Fails(Box::new(diagnostic)));
+                let machine = self.replay.machines.get(fault.machine);
+                let diagnostic = machine.map(|it| it.specification.explain(&fault.fault));
+                notes.extend(diagnostic.map(|it| Note::Fails(Box::new(it))));
             } else {
                 undefined += exploration.undefined.get(index).copied().unwrap_or(0);
             }
@@ -228,12 +231,14 @@ impl Judge<'_> {
 
     fn rules(&self) -> CheckedProperty {
         let exploration = self.replay.exploration;
-        let coverage = Coverage::of(self.replay.specification, &exploration.counts);
-        let rules = coverage.files.iter().flat_map(|(path, file)| {
-            let rules = file.rules.values().filter(|rule| rule.calls == 0);
-            rules.map(move |rule| format!("{} ({path}:{})", rule.name, rule.line))
-        });
-        let rules: Vec<String> = rules.collect();
+        let mut rules: Vec<String> = Vec::new();
+        for (machine, counts) in self.replay.machines.iter().zip(&exploration.counts) {
+            let coverage = Coverage::of(&machine.specification, counts);
+            for (path, file) in &coverage.files {
+                let never = file.rules.values().filter(|rule| rule.calls == 0);
+                rules.extend(never.map(|rule| format!("{} ({path}:{})", rule.name, rule.line)));
+            }
+        }
         let verdict = match (rules.is_empty(), exploration.incomplete) {
             (true, _) => Verdict::Holds(None),
             (false, None) => Verdict::Violated(None),
@@ -253,6 +258,7 @@ fn general(
 ) -> CheckedProperty {
     CheckedProperty {
         kind,
+        machine: 0,
         name: None,
         text: text.to_owned(),
         place: None,

@@ -10,6 +10,7 @@ use crate::inputs::InputRanges;
 use crate::options::{InputValues, Options};
 use crate::preparation::{prepare, report_of};
 use crate::property::CheckedProperty;
+use crate::transition::SingleMachine;
 use crate::verdicts::verdicts;
 use asmotion_diagnostics::Finding;
 use asmotion_lang::{Diagnostic, Machine, Report, Specification};
@@ -17,8 +18,8 @@ use asmotion_lang::{Diagnostic, Machine, Report, Specification};
 /// The result of a verification.
 #[derive(Debug)]
 pub struct Verification {
-    /// The specification, without its properties and with additions.
-    pub specification: Specification,
+    /// The machines of the system; one if a single specification is verified.
+    pub machines: Vec<VerifiedMachine>,
     /// The properties with their verdicts: those of the specification in their order, then those that all should have.
     pub properties: Vec<CheckedProperty>,
     /// Number of states.
@@ -33,6 +34,15 @@ pub struct Verification {
     pub depth: u32,
     /// The reason for which not all states were explored.
     pub incomplete: Option<Incomplete>,
+}
+
+/// A machine of a system.
+#[derive(Debug)]
+pub struct VerifiedMachine {
+    /// Name of the machine in the system; that of the specification if there is only one.
+    pub name: String,
+    /// Its specification, without the properties and with additions.
+    pub specification: Specification,
 }
 
 /// The reason for which a specification cannot be verified.
@@ -71,9 +81,12 @@ pub fn verify(
         assumptions.push(restriction(&machine, input));
     }
     let keeps_edges = prepared.needs_graph();
+    let system = SingleMachine {
+        machine,
+        ranges: &ranges,
+    };
     let explorer = Explorer::new(
-        machine.clone(),
-        &ranges,
+        system.clone(),
         &prepared.conditions,
         options.limits,
         keeps_edges,
@@ -81,7 +94,7 @@ pub fn verify(
     let exploration = match explorer.run(proceed) {
         Ok(exploration) => exploration,
         Err(error) => {
-            let diagnostic = explain(&specification, &machine, error);
+            let diagnostic = explain(&specification, &system.machine, error);
             return Err(refusal(specification, report_of(diagnostic)));
         }
     };
@@ -92,23 +105,27 @@ pub fn verify(
         };
         return Err(refusal(specification, report_of(finding.diagnostic())));
     }
+    let machines = [VerifiedMachine {
+        name: specification.model.name.to_string(),
+        specification,
+    }];
     let replay = Replay {
-        specification: &specification,
+        machines: &machines,
         exploration: &exploration,
-        ranges: &ranges,
-        machine: &machine,
+        system: &system,
     };
     let checked = verdicts(&prepared, &replay, &options.only);
+    let [verified] = machines;
     let properties = match checked {
         Ok(properties) => properties,
         Err(error) => {
             let diagnostic = error.diagnostic();
-            drop(exploration);
-            return Err(refusal(specification, report_of(diagnostic)));
+            return Err(refusal(verified.specification, report_of(diagnostic)));
         }
     };
     let (states, depth) = (exploration.states.len() as u64, exploration.depth());
     Ok(Verification {
+        machines: vec![verified],
         properties,
         states,
         transitions: exploration.transitions,
@@ -116,7 +133,6 @@ pub fn verify(
         assumptions,
         depth,
         incomplete: exploration.incomplete,
-        specification,
     })
 }
 
@@ -151,9 +167,9 @@ fn explain(
 ) -> Diagnostic {
     match error {
         ExplorationError::Input(fault) => {
-            InputWithoutRange::of(specification, machine, &fault).diagnostic()
+            InputWithoutRange::of(specification, machine, &fault.fault).diagnostic()
         }
         ExplorationError::Alternatives => TooManyAlternatives::of(specification).diagnostic(),
-        ExplorationError::Initial(fault) => specification.explain(&fault),
+        ExplorationError::Initial(fault) => specification.explain(&fault.fault),
     }
 }

@@ -8,7 +8,7 @@ use asmotion_verify::{Options, PropertyKind, Run, Verdict};
 /// Simulates the inputs and choices of a run; returns the simulation, and the fault that ends it.
 fn simulated(text: &str, run: &Run) -> (Simulation, Option<Box<asmotion_lang::StepFault>>) {
     let machine = open(text).machine().unwrap();
-    let recording = Recording::read(&run.trace);
+    let recording = Recording::read(&run.traces[0]);
     let steps = recording.steps().len();
     assert_eq!(steps, run.steps.len());
     let mut simulation = Simulation::new(machine, Causes::Recording(recording), 1);
@@ -116,8 +116,8 @@ fn equal_verifications_give_equal_runs() {
     let traces = || {
         let verification = verified(PHILOSOPHERS, &Options::default());
         let properties = verification.properties.into_iter();
-        let runs = properties.map(|it| it.verdict.run().map(|run| run.trace.clone()));
-        runs.collect::<Vec<Option<String>>>()
+        let runs = properties.map(|it| it.verdict.run().map(|run| run.traces.clone()));
+        runs.collect::<Vec<Option<Vec<String>>>>()
     };
     assert_eq!(traces(), traces());
 }

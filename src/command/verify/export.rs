@@ -4,6 +4,8 @@ use super::Verify;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_verify::{CheckedProperty, Verification};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 impl Verify {
     /// Writes the trace of the first violation, if there is one and it was requested.
@@ -24,13 +26,30 @@ impl Verify {
             ));
             return Exit::Ok;
         };
-        match std::fs::write(path, &run.trace) {
-            Ok(()) => Exit::Ok,
-            Err(error) => {
+        for (machine, trace) in verification.machines.iter().zip(&run.traces) {
+            let path = match verification.machines.as_slice() {
+                [_] => path.clone(),
+                _ => path_of(path, &machine.name),
+            };
+            if let Err(error) = std::fs::write(&path, trace) {
                 let path = path.display();
                 terminal.error(format_args!("cannot write the trace `{path}`: {error}"));
-                Exit::Usage
+                return Exit::Usage;
             }
         }
+        Exit::Ok
+    }
+}
+
+/// The path of a machine's trace: `run.trace` becomes `run.courier.trace`.
+fn path_of(path: &Path, machine: &str) -> PathBuf {
+    match path.extension() {
+        Some(extension) => {
+            let mut name = OsString::from(machine);
+            name.push(".");
+            name.push(extension);
+            path.with_extension(name)
+        }
+        None => path.with_extension(machine),
     }
 }

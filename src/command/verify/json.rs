@@ -1,23 +1,25 @@
 //! Results of a verification as JSON.
 
-use super::words::{kind, place_text, verdict};
-use asmotion_lang::Specification;
-use asmotion_verify::{Incomplete, Run, Verification};
+use super::words::{kind, machine_name, place_in, verdict};
+use asmotion_verify::{Incomplete, Run, Verification, VerifiedMachine};
 use serde_json::{Value, json};
 use std::time::Duration;
 
 /// The results as a JSON object.
 pub fn verification(path: &str, verification: &Verification, time: Duration) -> Value {
-    let specification = &verification.specification;
+    let machines = verification.machines.as_slice();
     let properties = verification.properties.iter().map(|property| {
-        let place = property.place.map(|place| place_text(specification, place));
+        let place = property
+            .place
+            .map(|place| place_in(machines, property.machine, place));
         json!({
             "kind": kind(property.kind),
+            "machine": machine_name(machines, property.machine),
             "name": property.name,
             "text": property.text,
             "place": place,
             "verdict": verdict(&property.verdict),
-            "run": property.verdict.run().map(|run| run_json(run, specification)),
+            "run": property.verdict.run().map(|run| run_json(run, machines)),
         })
     });
     json!({
@@ -43,7 +45,7 @@ fn incomplete_word(reason: Incomplete) -> &'static str {
     }
 }
 
-fn run_json(run: &Run, specification: &Specification) -> Value {
+fn run_json(run: &Run, machines: &[VerifiedMachine]) -> Value {
     let object = |pairs: &[(String, String)]| {
         let pairs = pairs
             .iter()
@@ -52,17 +54,20 @@ fn run_json(run: &Run, specification: &Specification) -> Value {
     };
     let steps = run.steps.iter().map(|step| {
         let choices = step.choices.iter().map(|(index, count, place)| {
-            json!({ "index": index, "count": count, "place": place_text(specification, *place) })
+            let place = place_in(machines, step.machine, *place);
+            json!({ "index": index, "count": count, "place": place })
         });
         let updates = step.updates.iter().map(|update| {
             json!({
                 "location": update.location,
                 "before": update.before,
                 "after": update.after,
-                "place": place_text(specification, update.place),
+                "place": place_in(machines, step.machine, update.place),
             })
         });
         json!({
+            "machine": machine_name(machines, step.machine),
+            "transition": step.transition,
             "inputs": object(&step.inputs),
             "choices": choices.collect::<Vec<Value>>(),
             "updates": updates.collect::<Vec<Value>>(),

@@ -1,9 +1,13 @@
 //! Results of a verification as text.
 
-use super::words::{counted, duration, incomplete, number, place_text, rule_text, verdict};
+use super::words::{
+    counted, duration, incomplete, machine_name, number, place_in, rule_text, verdict,
+};
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_lang::Specification;
-use asmotion_verify::{CheckedProperty, Note, PropertyKind, Run, RunStep, Verdict, Verification};
+use asmotion_verify::{
+    CheckedProperty, Note, PropertyKind, Run, RunStep, Verdict, Verification, VerifiedMachine,
+};
 use std::time::Duration;
 
 /// Prints the results for a specification.
@@ -72,8 +76,10 @@ fn show_property(
         Verdict::Violated(_) => BAD,
         Verdict::Unknown => NOTE,
     };
-    let specification = &verification.specification;
-    let at = property.place.map(|place| place_text(specification, place));
+    let machines = verification.machines.as_slice();
+    let at = property
+        .place
+        .map(|place| place_in(machines, property.machine, place));
     let at = at.map_or_else(String::new, |at| format!("  {FAINT}{at}{FAINT:#}"));
     let word = verdict(&property.verdict);
     let heading = heading(property);
@@ -82,9 +88,9 @@ fn show_property(
         show_note(property, note, terminal);
     }
     if let Verdict::Violated(Some(run)) = &property.verdict {
-        show_run(run, specification, terminal);
+        show_run(run, machines, terminal);
     } else if let (PropertyKind::Possible, Some(run)) = (property.kind, property.verdict.run()) {
-        show_run(run, specification, terminal);
+        show_run(run, machines, terminal);
     }
 }
 
@@ -132,7 +138,7 @@ fn show_note(property: &CheckedProperty, note: &Note, terminal: &mut TerminalOut
     terminal.result(format_args!("            {NOTE}note{NOTE:#} {text}"));
 }
 
-fn show_run(run: &Run, specification: &Specification, terminal: &mut TerminalOutput) {
+fn show_run(run: &Run, machines: &[VerifiedMachine], terminal: &mut TerminalOutput) {
     let initial: Vec<String> = run
         .initial
         .iter()
@@ -148,7 +154,10 @@ fn show_run(run: &Run, specification: &Specification, terminal: &mut TerminalOut
                 "            {FAINT}from here on repeated for ever{FAINT:#}"
             ));
         }
-        show_step(index + 1, step, specification, terminal);
+        if let Some(machine) = machines.get(step.machine) {
+            let mover = machine_name(machines, step.machine);
+            show_step(mover, step, &machine.specification, terminal);
+        }
     }
     if run.cycle.is_some_and(|cycle| cycle >= run.steps.len()) {
         terminal.result(format_args!(
@@ -169,7 +178,7 @@ fn show_run(run: &Run, specification: &Specification, terminal: &mut TerminalOut
 }
 
 fn show_step(
-    number: usize,
+    mover: Option<&str>,
     step: &RunStep,
     specification: &Specification,
     terminal: &mut TerminalOutput,
@@ -184,8 +193,10 @@ fn show_step(
         causes.push(format!("choice {} of {count} ({rule})", index + 1));
     }
     let causes = causes.join(", ");
+    let number = step.transition;
+    let mover = mover.map_or_else(String::new, |name| format!("{name}: "));
     terminal.result(format_args!(
-        "            {FAINT}step {number}{FAINT:#} {causes}"
+        "            {FAINT}step {number}{FAINT:#} {mover}{causes}"
     ));
     for update in &step.updates {
         let rule = rule_text(specification, update.place);

@@ -1,7 +1,7 @@
 //! Numbers, places and results in words.
 
 use asmotion_lang::{Span, Specification};
-use asmotion_verify::{Incomplete, PropertyKind, Verdict};
+use asmotion_verify::{Incomplete, PropertyKind, Verdict, VerifiedMachine};
 use std::time::Duration;
 
 /// A number with separators, as in `1,745,408`.
@@ -65,6 +65,18 @@ pub fn place_text(specification: &Specification, place: Span) -> String {
     let sources = &specification.sources;
     let (line, _) = sources.position(place.file, place.start);
     format!("{}:{line}", sources.path(place.file))
+}
+
+/// Path and line of a place in the specification of a machine.
+pub fn place_in(machines: &[VerifiedMachine], machine: usize, place: Span) -> String {
+    let machine = machines.get(machine);
+    machine.map_or_else(String::new, |it| place_text(&it.specification, place))
+}
+
+/// Name of a machine; `None` if there is only one.
+pub fn machine_name(machines: &[VerifiedMachine], machine: usize) -> Option<&str> {
+    let named = machines.get(machine).filter(|_| machines.len() > 1);
+    named.map(|it| it.name.as_str())
 }
 
 /// The rule that contains a place, with the line.
