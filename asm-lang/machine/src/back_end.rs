@@ -14,6 +14,7 @@
 //! its own unsafe code.
 
 pub use crate::compile::Compiler;
+pub use crate::direct::{DirectRule, DirectStep};
 pub use crate::limits::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
 pub use crate::run::code::{
     NativeCompiler, NativeRule, NoNativeCode, RuleCode, TermCode, TruthCode,
@@ -21,8 +22,8 @@ pub use crate::run::code::{
 pub use crate::run::{KleeneTruth, RuleStopped, StepContext, on_enough_stack};
 pub use crate::updates::{CoveredMark, Mark, SavedValue, UpdateLists};
 
+use crate::choose::Chooser;
 use crate::fault::FaultKind;
-use crate::record::StepChoice;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 
@@ -47,6 +48,17 @@ pub enum Choosing {
     First,
     /// The value was picked from outside.
     Picked,
+}
+
+impl Choosing {
+    /// Asks a chooser how it chooses the value of a variable with this range.
+    pub(crate) fn by(chooser: &dyn Chooser, range: Origin) -> Self {
+        match chooser.picked(range) {
+            Some(_) => Self::Picked,
+            None if chooser.takes_first() => Self::First,
+            None => Self::ByNumber,
+        }
+    }
 }
 
 impl StepContext<'_> {
@@ -92,22 +104,12 @@ impl StepContext<'_> {
 
     /// Returns how a variable with this range is chosen.
     pub fn choosing(&self, range: Origin) -> Choosing {
-        match self.chooser.picked(range) {
-            Some(_) => Choosing::Picked,
-            None if self.chooser.takes_first() => Choosing::First,
-            None => Choosing::ByNumber,
-        }
+        Choosing::by(self.chooser, range)
     }
 
     /// Returns the index of the chosen candidate, and records the choice. `count` is at least 1.
     pub fn choose(&mut self, count: usize, origin: Origin) -> usize {
-        let index = self.chooser.choose(count).min(count.saturating_sub(1));
-        self.record.choices.push(StepChoice {
-            origin,
-            index,
-            count,
-        });
-        index
+        self.record.choose(self.chooser, count, origin)
     }
 
     /// Opens an update set within the innermost one.

@@ -79,6 +79,7 @@ impl CompiledProgram {
             supers: supers.collect(),
             layout: Layout::of(program),
             native: OnceLock::new(),
+            direct: OnceLock::new(),
         }
     }
 }

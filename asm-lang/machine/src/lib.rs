@@ -11,6 +11,7 @@ pub mod back_end;
 mod bounds;
 mod choose;
 mod compile;
+mod direct;
 mod environment;
 mod extent;
 mod fault;

@@ -2,6 +2,7 @@
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
+use crate::direct::{DirectStep, DirectUse, RepeatedChoices};
 use crate::environment::Environment;
 use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
@@ -107,6 +108,7 @@ pub struct Machine {
     native_compiler: Option<&'static dyn NativeCompiler>,
     /// Work done so far, in the unit of [`WARM`].
     work: u64,
+    direct: DirectUse,
 }
 
 /// Buffers of a step, reused by the next one.
@@ -122,6 +124,10 @@ pub(crate) struct Scratch {
     /// `true` if the last step wrote and replaced only scalars, so that no value needs to be
     /// dropped.
     is_plain: bool,
+    /// Coverage counters before a direct step.
+    counts_before: Vec<u64>,
+    /// Choices of a direct rule that gave up, to be repeated.
+    missed: Vec<StepChoice>,
     /// Records of a failed step that is being repeated; otherwise `None`.
     notes: Option<WitnessNotes>,
 }
@@ -177,6 +183,7 @@ impl Machine {
             back_end: BackEnd::default(),
             native_compiler: None,
             work: 0,
+            direct: DirectUse::default(),
         }
     }
 
@@ -185,6 +192,7 @@ impl Machine {
         Self {
             code: Arc::new(code),
             back_end: BackEnd::Closures,
+            direct: DirectUse::default(),
             ..self.clone()
         }
     }
@@ -204,36 +212,62 @@ impl Machine {
         self.native_compiler = Some(compiler);
     }
 
+    /// Replaces the code.
+    pub(crate) fn set_code(&mut self, code: CompiledProgram) {
+        self.code = Arc::new(code);
+        self.direct = DirectUse::default();
+    }
+
     /// Selects the implementation of future steps. [`BackEnd::Native`] compiles immediately.
     ///
     /// # Errors
     /// Native code is not available; closures execute the same steps.
     pub fn set_back_end(&mut self, back_end: BackEnd) -> Result<(), NoNativeCode> {
         self.back_end = back_end;
+        self.direct.is_on = false;
         match back_end {
             BackEnd::Auto | BackEnd::Closures => Ok(()),
+            BackEnd::Native if self.has_direct() => Ok(()),
             BackEnd::Native => self.compile_native(),
         }
     }
 
     /// Returns the implementation of the next step: closures or native code.
     pub fn back_end(&self) -> BackEnd {
-        if self.is_native() {
+        let is_native = self.wants_native() && (self.has_direct() || self.compile_native().is_ok());
+        if is_native {
             BackEnd::Native
         } else {
             BackEnd::Closures
         }
     }
 
-    /// Returns `true` if native code executes the next step; compiles it once enough work was done.
     #[inline]
-    fn is_native(&self) -> bool {
-        let is_wanted = match self.back_end {
+    fn wants_native(&self) -> bool {
+        match self.back_end {
             BackEnd::Auto => self.work >= WARM,
             BackEnd::Closures => false,
             BackEnd::Native => true,
-        };
-        is_wanted && self.compile_native().is_ok()
+        }
+    }
+
+    /// Returns `true` if native code executes the next step, with detours; compiles it once enough work was done.
+    #[inline]
+    fn is_native(&mut self) -> bool {
+        if !self.wants_native() {
+            return false;
+        }
+        if self.direct.is_refused || !self.has_direct() {
+            return self.compile_native().is_ok();
+        }
+        self.direct.is_on = true;
+        false
+    }
+
+    /// Returns `true` if there is a direct rule; compiles it unless it is already compiled.
+    fn has_direct(&self) -> bool {
+        let compile = || self.native_compiler?.compile_direct(&self.program);
+        self.code.direct.get_or_init(compile).is_some()
     }
 
     /// Compiles the main rule to native code, unless it is already compiled.
@@ -295,10 +329,15 @@ impl Machine {
         now_ns: i64,
     ) -> Result<Step<'_>, Box<StepFault>> {
         let number = self.steps + 1;
-        let is_native = self.is_native();
-        self.attempt(true, environment, chooser, now_ns, |run| {
-            run.main_rule(is_native)
-        })?;
+        if self.collects_directly(chooser, now_ns) {
+            self.fire_updates();
+        } else {
+            let is_native = self.is_native();
+            let choices = &mut self.repeating(chooser);
+            self.attempt(true, environment, choices, now_ns, |run| {
+                run.main_rule(is_native)
+            })?;
+        }
         self.steps = number;
         self.recheck(environment, chooser, now_ns)?;
         Ok(self.last_step())
@@ -319,8 +358,12 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<&[Update], Box<StepFault>> {
+        if self.collects_directly(chooser, now_ns) {
+            return Ok(&self.scratch.updates.list);
+        }
         let is_native = self.is_native();
-        self.collect(true, environment, chooser, now_ns, |run| {
+        let choices = &mut self.repeating(chooser);
+        self.collect(true, environment, choices, now_ns, |run| {
             run.main_rule(is_native)
         })?;
         let (_, reserve) = self.scratch.begun_at;
@@ -332,6 +375,58 @@ impl Machine {
             self.state.commit();
         }
         Ok(&self.scratch.updates.list)
+    }
+
+    /// Collects the updates of a step directly; returns `false` if this is not possible.
+    #[inline]
+    fn collects_directly(&mut self, chooser: &mut dyn Chooser, now_ns: i64) -> bool {
+        if !self.direct.is_on || self.steps == 0 || !self.is_complete {
+            return false;
+        }
+        let Some(Some(rule)) = self.code.direct.get() else {
+            return false;
+        };
+        self.direct.tried += 1;
+        self.rounds += 1;
+        self.scratch.begin(now_ns);
+        self.scratch.updates.begin(self.state.len());
+        self.state.forget_uncommitted();
+        let Scratch {
+            updates,
+            record,
+            counts_before,
+            ..
+        } = &mut self.scratch;
+        if !self.program.counted.is_empty() {
+            record.allocate_counts(self.program.counted.len());
+            counts_before.clone_from(&record.counts);
+        }
+        let mut step = DirectStep {
+            slots: &mut self.state.store.slots,
+            updates,
+            chooser,
+            record,
+        };
+        if rule.collect(&mut step) {
+            self.scratch.begun_at = (self.steps, self.state.store.reserve.len());
+            return true;
+        }
+        self.direct.miss();
+        if !self.program.counted.is_empty() {
+            std::mem::swap(&mut record.counts, counts_before);
+        }
+        self.scratch.missed = std::mem::take(&mut self.scratch.record.choices);
+        false
+    }
+
+    /// Returns a chooser that first repeats the choices of a direct rule that gave up.
+    #[inline]
+    fn repeating<'c>(&mut self, chooser: &'c mut dyn Chooser) -> RepeatedChoices<'c> {
+        RepeatedChoices {
+            made: std::mem::take(&mut self.scratch.missed),
+            next: 0,
+            chooser,
+        }
     }
 
     /// Evaluates rules in the current state and applies their updates. The first step also

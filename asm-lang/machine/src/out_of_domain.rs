@@ -236,7 +236,7 @@ impl Machine {
         if !is_own {
             return Err(ForeignProgram);
         }
-        self.code = Arc::new(CompiledProgram::of(&program));
+        self.set_code(CompiledProgram::of(&program));
         self.program = program;
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The log of a step: inputs, choices, printed texts and messages.
 
+use crate::choose::Chooser;
 use crate::messages::{PerformedAction, SentMessage};
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
@@ -66,6 +67,17 @@ impl StepLog {
         self.choices.truncate(sizes.choices);
         self.picked.truncate(sizes.picked);
         self.printed.truncate(sizes.printed);
+    }
+
+    /// Asks a chooser for the index of one of `count` candidates, at least 1, and records the choice.
+    pub fn choose(&mut self, chooser: &mut dyn Chooser, count: usize, origin: Origin) -> usize {
+        let index = chooser.choose(count).min(count.saturating_sub(1));
+        self.choices.push(StepChoice {
+            origin,
+            index,
+            count,
+        });
+        index
     }
 
     /// Increments a coverage counter.

@@ -1,12 +1,13 @@
 //! Compiles the main rule of a program to a native function.
 
 use crate::detour::Detour;
-use crate::emit::{Emitter, entry_signature};
+use crate::direct::compile_direct;
+use crate::emit::{EmittedRule, Emitter, entry_signature};
 use crate::frame::{NativeEntry, NativeFrame};
 use crate::memory::CodeMemory;
 use asmotion_ir::{Program, RoutineId};
 use asmotion_machine::back_end::{
-    Compiler, NativeCompiler, NativeRule, NoNativeCode, RuleStopped, StepContext,
+    Compiler, DirectRule, NativeCompiler, NativeRule, NoNativeCode, RuleStopped, StepContext,
 };
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
@@ -18,20 +19,24 @@ use cranelift_module::{FuncId, Linkage, Module, default_libcall_names};
 pub struct Cranelift;
 
 impl NativeCompiler for Cranelift {
+    fn compile_direct(&self, program: &Program) -> Option<Box<dyn DirectRule>> {
+        compile_direct(program)
+    }
+
     fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode> {
         if program.compatible {
             return Err(NoNativeCode::Compatible);
         }
         let main = program.main.ok_or(NoNativeCode::NoMainRule)?;
         let mut module = module().ok_or(NoNativeCode::Processor)?;
-        let compiled = compile(program, main, &mut module);
+        let compiled = emitted(program, main, &mut module, |_| {}, |_| true);
         // takes ownership first, so that the module's memory is freed on every path
         let memory = CodeMemory::new(module);
-        let (function, detours, locals) = compiled.ok_or(NoNativeCode::TooLarge)?;
+        let (function, rule) = compiled.ok_or(NoNativeCode::TooLarge)?;
         Ok(Box::new(MainRule {
             entry: memory.entry(function).ok_or(NoNativeCode::Processor)?,
-            detours,
-            locals,
+            detours: rule.detours,
+            locals: rule.locals,
             _memory: memory,
         }))
     }
@@ -57,7 +62,7 @@ impl NativeRule for MainRule {
 
 /// Creates an empty module for this processor. Native code accesses values by their layout in
 /// memory, which is defined for little-endian machines with 64-bit pointers only.
-fn module() -> Option<JITModule> {
+pub(crate) fn module() -> Option<JITModule> {
     if cfg!(target_endian = "big") || cfg!(not(target_pointer_width = "64")) {
         return None;
     }
@@ -77,12 +82,14 @@ fn module() -> Option<JITModule> {
     Some(JITModule::new(builder))
 }
 
-/// Returns the function, its detours, and the number of locals that it needs.
-fn compile(
+/// Generates a main rule and compiles it if it is accepted. Returns the function and the rest of the rule.
+pub(crate) fn emitted(
     program: &Program,
     main: RoutineId,
     module: &mut JITModule,
-) -> Option<(FuncId, Vec<Detour>, u32)> {
+    prepare: impl FnOnce(&mut Emitter<'_>),
+    accept: impl FnOnce(&EmittedRule) -> bool,
+) -> Option<(FuncId, EmittedRule)> {
     let signature = entry_signature(module);
     let function = module
         .declare_function("main", Linkage::Local, &signature)
@@ -92,9 +99,13 @@ fn compile(
     let mut scratch = FunctionBuilderContext::new();
     let compiler = Compiler::of(program);
     let builder = FunctionBuilder::new(&mut context.func, &mut scratch);
-    let emitter = Emitter::new(program, &compiler, builder, module);
-    let (detours, locals) = emitter.main(main, module.target_config());
+    let mut emitter = Emitter::new(program, &compiler, builder, module);
+    prepare(&mut emitter);
+    let rule = emitter.main(main, module.target_config());
+    if !accept(&rule) {
+        return None;
+    }
     module.define_function(function, &mut context).ok()?;
     module.finalize_definitions().ok()?;
-    Some((function, detours, locals))
+    Some((function, rule))
 }

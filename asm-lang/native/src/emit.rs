@@ -1,6 +1,7 @@
 //! The function under construction: blocks, memory accesses and exits.
 
 use crate::detour::Detour;
+use crate::direct::DirectCode;
 use crate::frame::{at, out, pack_call_position};
 use asmotion_ir::{IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
 use asmotion_machine::back_end::Compiler;
@@ -102,7 +103,7 @@ struct Bail {
 /// A function of the host that native code calls.
 #[derive(Clone, Copy)]
 pub(crate) struct HostFunction {
-    address: i64,
+    pub address: i64,
     signature: SigRef,
 }
 
@@ -138,6 +139,16 @@ pub(crate) struct Regions {
     pub counters: MemFlagsData,
 }
 
+/// The parts of a generated rule other than its code.
+pub(crate) struct EmittedRule {
+    pub detours: Vec<Detour>,
+    /// Number of locals, including those of inlined macros.
+    pub locals: u32,
+    pub direct: Option<DirectCode>,
+    /// `true` if no macro was left out because the function would be too large.
+    pub is_whole: bool,
+}
+
 /// Generates one function.
 pub(crate) struct Emitter<'a> {
     pub program: &'a Program,
@@ -158,6 +169,10 @@ pub(crate) struct Emitter<'a> {
     room: u32,
     detours: Vec<Detour>,
     locals: u32,
+    /// State of a direct rule; `None` for code with detours.
+    pub direct: Option<DirectCode>,
+    /// Number of rules around the current one that execute it only under a condition.
+    pub conditions: u32,
 }
 
 /// Returns the signature of [`crate::frame::NativeEntry`].
@@ -261,14 +276,17 @@ impl<'a> Emitter<'a> {
             room: MAX_RULES,
             detours: Vec::new(),
             locals: 0,
+            direct: None,
+            conditions: 0,
         }
     }
 
     /// Generates the main rule and the exits.
-    pub fn main(mut self, main: RoutineId, config: TargetFrontendConfig) -> (Vec<Detour>, u32) {
+    pub fn main(mut self, main: RoutineId, config: TargetFrontendConfig) -> EmittedRule {
         let routine = &self.program.routines[main.0 as usize];
         self.enter(main, Vec::new());
         self.rule(&routine.code);
+        self.end_direct();
         let done = self.number(I8, 0);
         self.builder.ins().return_(&[done]);
         self.begin(self.exit);
@@ -276,7 +294,12 @@ impl<'a> Emitter<'a> {
         self.builder.ins().return_(&[stopped]);
         self.builder.seal_all_blocks();
         self.builder.finalize(config);
-        (self.detours, self.locals)
+        EmittedRule {
+            detours: self.detours,
+            locals: self.locals,
+            direct: self.direct,
+            is_whole: self.room > 0,
+        }
     }
 
     /// Enters the frame of a routine, and returns the enclosing one.
@@ -398,8 +421,17 @@ impl<'a> Emitter<'a> {
         detour: impl FnOnce(&mut Self),
         done: Option<Block>,
     ) {
-        let before = counts.then(|| self.bindings());
         let known = self.scope.locals.clone();
+        if self.direct.is_some() {
+            native(self);
+            self.scope.locals = known;
+            if let Some(done) = done {
+                self.jump(done);
+                self.begin(done);
+            }
+            return;
+        }
+        let before = counts.then(|| self.bindings());
         let bail = Bail {
             block: self.cold_block(),
             used: false,
@@ -476,6 +508,9 @@ impl<'a> Emitter<'a> {
 
     /// Generates a call to the closure of a rule.
     pub fn rule_outside(&mut self, rule: &Rule) {
+        if self.gives_up() {
+            return;
+        }
         let code = self.compiler.rule(rule);
         let [index, place] = self.detour(Detour::Rule(code));
         let call = match self.mode {
@@ -490,6 +525,9 @@ impl<'a> Emitter<'a> {
 
     /// Generates a call to the closure of a guard.
     pub fn guard_outside(&mut self, guard: &Term, yes: Block, no: Block) {
+        if self.gives_up() {
+            return;
+        }
         let code = self.compiler.truth(guard);
         let [index, place] = self.detour(Detour::Truth(code));
         let origin = self.number(I32, i64::from(guard.origin.0));
@@ -504,6 +542,9 @@ impl<'a> Emitter<'a> {
     /// Generates a call to the closure of a Boolean term. Undef and faults are left to the detour
     /// of the current unit.
     pub fn truth_outside(&mut self, term: &Term, yes: Block, no: Block) {
+        if self.gives_up() {
+            return;
+        }
         let code = self.compiler.truth(term);
         let [index, place] = self.detour(Detour::Truth(code));
         if let Some(holds) = self.call(self.calls.truth, &[index, place]) {
@@ -516,6 +557,9 @@ impl<'a> Emitter<'a> {
     /// Generates a call to the closure of a term with scalar value. Undef and faults are left to
     /// the detour of the current unit.
     pub fn term_outside(&mut self, term: &Term, tag: u8, ty: Type) -> Ssa {
+        if self.gives_up() {
+            return self.number(ty, 0);
+        }
         let code = self.compiler.term(term);
         let arguments = self.detour(Detour::Term(code));
         self.call(self.calls.term, &arguments);
@@ -525,6 +569,9 @@ impl<'a> Emitter<'a> {
     /// Generates a call to the closure of a term that stores the value in a local. Faults are left
     /// to the detour of the current unit.
     pub fn bind_outside(&mut self, term: &Term, local: u32) {
+        if self.gives_up() {
+            return;
+        }
         let code = self.compiler.term(term);
         let [index, place] = self.detour(Detour::Term(code));
         let local = self.number(I32, i64::from(local));

@@ -30,6 +30,11 @@ pub(crate) struct NativeFrame {
     slots: *mut Value,
     marks: *mut Mark,
     list: *mut Update,
+    /// Coverage counters; all are allocated on entry, so they stay in place.
+    counters: *mut u64,
+    epoch: u32,
+    /// Nesting depth of calls on entry.
+    depth: u32,
     /// Number of updates in `list`.
     length: usize,
     /// Capacity of `list`.
@@ -43,15 +48,10 @@ pub(crate) struct NativeFrame {
     /// Number of further updates within a sequence for which all three lists have capacity.
     sequence_room: usize,
     locals: *mut Value,
-    /// Coverage counters; all are allocated on entry, so they stay in place.
-    counters: *mut u64,
     /// Value of a term evaluated by a closure.
     answer: Value,
     /// Argument of host functions that write a scalar.
     given: ManuallyDrop<Value>,
-    epoch: u32,
-    /// Nesting depth of calls on entry.
-    depth: u32,
     run: *mut StepContext<'static>,
     detours: *const Detour,
     /// Number of locals required by closures.

@@ -8,9 +8,12 @@
 //! have no effects and an input keeps its value throughout a step. Steps are therefore identical in
 //! both back ends.
 
+mod clash;
 mod compile;
 mod counted;
 mod detour;
+mod direct;
+mod direct_frame;
 mod emit;
 mod frame;
 mod location;

@@ -20,6 +20,7 @@ pub(crate) struct Located {
     /// The number of the slot, relative to `base`; `None` if it is constant.
     index: Option<Ssa>,
     base: i64,
+    pub function: FunctionId,
     /// `true` if the location may still need its initial value.
     pub is_lazy: bool,
 }
@@ -28,7 +29,7 @@ impl Emitter<'_> {
     /// Generates the address of the location that a term denotes, if native code supports it.
     pub fn place_of(&mut self, term: &Term) -> Option<Located> {
         if let TermNode::Slot(function, slot) = &*term.node {
-            (!self.is_input(*function)).then(|| self.fixed(*slot))
+            (!self.is_input(*function)).then(|| self.fixed(*function, *slot))
         } else if let TermNode::Location(function, arguments) = &*term.node
             && !self.is_input(*function)
         {
@@ -52,18 +53,19 @@ impl Emitter<'_> {
     /// Generates the address of an update's location; requires [`Emitter::is_place`].
     pub fn target(&mut self, place: &AssignTarget) -> Option<Located> {
         match place {
-            AssignTarget::Slot(_, slot) => Some(self.fixed(*slot)),
+            AssignTarget::Slot(function, slot) => Some(self.fixed(*function, *slot)),
             AssignTarget::Location(function, arguments) => self.located(*function, arguments),
             AssignTarget::Local(_) => None,
         }
     }
 
-    fn fixed(&mut self, slot: Slot) -> Located {
+    fn fixed(&mut self, function: FunctionId, slot: Slot) -> Located {
         Located {
             pointer: self.field(I64, at::SLOTS),
             offset: (i64::from(slot) * at::VALUE_SIZE) as i32,
             index: None,
             base: slot.into(),
+            function,
             is_lazy: false,
         }
     }
@@ -141,6 +143,7 @@ impl Emitter<'_> {
             offset: i32::try_from(constant * at::VALUE_SIZE).ok()?,
             index,
             base: constant,
+            function,
             is_lazy: self.program.functions[function.0 as usize]
                 .storage
                 .is_lazy(),
@@ -181,7 +184,7 @@ impl Emitter<'_> {
     }
 
     /// Returns the number of the slot.
-    fn slot(&mut self, located: &Located) -> Ssa {
+    pub fn slot(&mut self, located: &Located) -> Ssa {
         match located.index {
             None => self.number(I64, located.base),
             Some(index) => self.builder.ins().iadd_imm_s(index, located.base),
@@ -245,6 +248,9 @@ impl Emitter<'_> {
             let tag = self.tag(located);
             let unmet = self.compare(IntCC::Equal, tag, i64::from(layout::UNDEF));
             self.bail_if(unmet);
+        }
+        if self.writes_directly(located, value, origin) {
+            return;
         }
         let slot = self.slot(located);
         let mark = self.mark(slot);
@@ -370,7 +376,7 @@ impl Emitter<'_> {
         self.call(call, &[slot, origin]);
     }
 
-    fn mark(&mut self, slot: Ssa) -> Ssa {
+    pub fn mark(&mut self, slot: Ssa) -> Ssa {
         let marks = self.field(I64, at::MARKS);
         let bytes = self.builder.ins().imul_imm_s(slot, at::MARK_SIZE);
         self.builder.ins().iadd(marks, bytes)
@@ -382,7 +388,7 @@ impl Emitter<'_> {
         self.builder.ins().iadd(list, bytes)
     }
 
-    fn put_update(&mut self, update: Ssa, value: KnownValue, origin: Origin) {
+    pub fn put_update(&mut self, update: Ssa, value: KnownValue, origin: Origin) {
         let origin = self.number(I32, i64::from(origin.0));
         self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
         self.store_scalar(self.memory.updates, update, at::UPDATE_VALUE, value);

@@ -2,6 +2,7 @@
 
 #![expect(unsafe_code, reason = "code memory is called as a function, and freed")]
 
+use crate::direct_frame::DirectEntry;
 use crate::frame::NativeEntry;
 use cranelift_jit::JITModule;
 use cranelift_module::FuncId;
@@ -24,6 +25,14 @@ impl CodeMemory {
         // SAFETY: the function was defined with the signature of `NativeEntry`, by
         // `emit::entry_signature`.
         Some(unsafe { std::mem::transmute::<*const u8, NativeEntry>(code) })
+    }
+
+    /// Returns a finished direct rule of the module. It may only be called while this value lives.
+    pub fn direct_entry(&self, function: FuncId) -> Option<DirectEntry> {
+        let code = self.0.as_ref()?.get_finalized_function(function);
+        // SAFETY: the signature of `DirectEntry` differs from that of `NativeEntry` only in the type that the pointer
+        // points to, and the function was compiled for a `DirectFrame`.
+        Some(unsafe { std::mem::transmute::<*const u8, DirectEntry>(code) })
     }
 }
 

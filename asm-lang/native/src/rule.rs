@@ -1,5 +1,6 @@
 //! Generates code for rules.
 
+use crate::clash::routine_of_atoms;
 use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, Loops, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::static_analysis::{StaticRange, counts, is_repeatable, rule_counts};
@@ -13,7 +14,7 @@ use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder, Type};
 
 /// Limit for the nesting of inlined macros.
-const MAX_INLINED: usize = 48;
+pub(crate) const MAX_INLINED: usize = 48;
 
 /// A variable, its range, and the place of the range.
 pub(crate) type BoundRange = (Local, StaticRange, Origin);
@@ -28,6 +29,8 @@ pub(crate) enum Counting {
     Checked,
     /// One by one, in a rule; exceeding the limit is a fault.
     EachInRule,
+    /// Not at all: the bindings of a direct rule are counted at compile time.
+    Bounded,
     /// One by one, in a term; exceeding the limit is left to the detour.
     EachInTerm,
 }
@@ -135,10 +138,10 @@ impl Emitter<'_> {
         let (yes, no, done) = (self.block(), self.block(), self.block());
         self.guard(guard, yes, no);
         self.begin(yes);
-        self.rule(then);
+        self.conditionally(|this| this.rule(then));
         self.jump(done);
         self.begin(no);
-        self.rule(otherwise);
+        self.conditionally(|this| this.rule(otherwise));
         self.jump(done);
         self.begin(done);
     }
@@ -159,11 +162,11 @@ impl Emitter<'_> {
                 let (here, next) = (this.block(), this.block());
                 this.branch(same, here, next);
                 this.begin(here);
-                this.rule(rule);
+                this.conditionally(|this| this.rule(rule));
                 this.jump(done);
                 this.begin(next);
             }
-            this.rule(otherwise);
+            this.conditionally(|this| this.rule(otherwise));
         };
         let counts = self.any_counts([subject]);
         self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
@@ -242,6 +245,9 @@ impl Emitter<'_> {
 
     /// Counts a call; leaves for the detour if there were too many.
     fn count_call(&mut self) {
+        if self.counts_call() {
+            return;
+        }
         let run = self.run();
         let before = self.load(self.memory.run, I32, run, at::CALLS);
         let many = self.compare(
@@ -276,21 +282,33 @@ impl Emitter<'_> {
         let done = self.block();
         let native = |this: &mut Self| {
             this.count_call();
-            let run = this.run();
-            // the previous agent is an atom or undef, so it can be saved and restored as raw words
-            let before = [0, at::PAYLOAD]
-                .map(|offset| this.load(this.memory.run, I64, run, at::AGENT + offset));
-            this.store_scalar(this.memory.run, run, at::AGENT, KnownValue::Atom(agent));
+            let before = this.direct.is_none().then(|| this.set_agent(agent));
             let outer = this.enter(routine, Vec::new());
             this.scope.agent = Some(agent);
             this.rule(&called.code);
             this.leave(outer);
-            let run = this.run();
-            for (word, offset) in before.into_iter().zip([0, at::PAYLOAD]) {
-                this.store(this.memory.run, word, run, at::AGENT + offset);
+            if let Some(before) = before {
+                this.reset_agent(before);
             }
         };
         self.unit(false, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// Stores the running agent where closures find it, and returns the previous one. That is an atom or undef, so it can
+    /// be saved and restored as raw words.
+    fn set_agent(&mut self, agent: AtomCode) -> [Ssa; 2] {
+        let run = self.run();
+        let before =
+            [0, at::PAYLOAD].map(|offset| self.load(self.memory.run, I64, run, at::AGENT + offset));
+        self.store_scalar(self.memory.run, run, at::AGENT, KnownValue::Atom(agent));
+        before
+    }
+
+    fn reset_agent(&mut self, before: [Ssa; 2]) {
+        let run = self.run();
+        for (word, offset) in before.into_iter().zip([0, at::PAYLOAD]) {
+            self.store(self.memory.run, word, run, at::AGENT + offset);
+        }
     }
 
     /// Returns the agent, in a register, and the only routine that can be its program.
@@ -302,18 +320,7 @@ impl Emitter<'_> {
             return None;
         };
         let (first, count) = agent.among?;
-        let domains = self
-            .program
-            .atom_domains
-            .get(first as usize..(first + count) as usize)?;
-        let domain = domains.first()?;
-        if domains.iter().any(|other| other != domain) {
-            return None;
-        }
-        let mut programs = self.program.programs.iter();
-        let (_, rule) = programs.find(|(of, _)| of == domain)?;
-        let rule = self.program.rules.get(rule.0 as usize)?;
-        let routine = rule.routine.filter(|_| rule.arguments.is_empty())?;
+        let routine = routine_of_atoms(self.program, first, count)?;
         let called = &self.program.routines[routine.0 as usize];
         (called.arguments == 0 && self.may_build_in(routine)).then_some((*agent, routine))
     }
@@ -334,7 +341,10 @@ impl Emitter<'_> {
         let native = |this: &mut Self| {
             this.each(&spans, counting, &mut |this, next| {
                 this.guarded(guard, next);
-                this.rule(body);
+                match guard {
+                    Some(_) => this.conditionally(|this| this.rule(body)),
+                    None => this.rule(body),
+                }
                 this.jump(next);
             });
         };
@@ -373,7 +383,7 @@ impl Emitter<'_> {
         };
         let done = self.block();
         let native = |this: &mut Self| {
-            if counting == Counting::Checked {
+            if counting == Counting::Checked && this.direct.is_none() {
                 let before = this.bindings();
                 this.bail_if_many(before, 2 * total);
             }
@@ -396,10 +406,10 @@ impl Emitter<'_> {
                 this.jump(next);
                 this.begin(found);
                 this.count_up_to_here();
-                this.rule(body);
+                this.conditionally(|this| this.rule(body));
                 this.jump(done);
             });
-            this.rule(ifnone);
+            this.conditionally(|this| this.rule(ifnone));
         };
         self.unit(false, native, |this| this.rule_outside(rule), Some(done));
     }
@@ -467,9 +477,14 @@ impl Emitter<'_> {
         counting: Counting,
         body: &mut dyn FnMut(&mut Self, Block),
     ) {
+        let counting = if self.counts_bindings(spans) {
+            Counting::Bounded
+        } else {
+            counting
+        };
         let before = match counting {
             Counting::Together | Counting::Checked => Some(self.bindings()),
-            Counting::EachInRule | Counting::EachInTerm => None,
+            Counting::EachInRule | Counting::EachInTerm | Counting::Bounded => None,
         };
         if let (Counting::Together, Some(before)) = (counting, before) {
             self.bail_if_many(before, total(spans));
@@ -540,12 +555,14 @@ impl Emitter<'_> {
         if let Some(loops) = self.loops.last_mut() {
             loops.rounds.push((index, total(inner)));
         }
-        if inner.is_empty() {
-            body(self, next);
-        } else {
-            self.round(inner, counting, body);
-            self.jump(next);
-        }
+        self.repeated(span.count(), |this| {
+            if inner.is_empty() {
+                body(this, next);
+            } else {
+                this.round(inner, counting, body);
+                this.jump(next);
+            }
+        });
         if let Some(loops) = self.loops.last_mut() {
             loops.rounds.pop();
         }
@@ -561,7 +578,7 @@ impl Emitter<'_> {
 
     fn count_one(&mut self, counting: Counting, origin: Origin) {
         match counting {
-            Counting::Together | Counting::Checked => return,
+            Counting::Together | Counting::Checked | Counting::Bounded => return,
             Counting::EachInRule | Counting::EachInTerm => {}
         }
         let before = self.bindings();
@@ -640,7 +657,7 @@ impl Emitter<'_> {
 }
 
 /// Returns the number of bindings made by loops over these variables.
-fn total(spans: &[BoundRange]) -> u64 {
+pub(crate) fn total(spans: &[BoundRange]) -> u64 {
     spans.iter().rev().fold(0u64, |inner, (_, span, _)| {
         span.count().saturating_mul(inner.saturating_add(1))
     })

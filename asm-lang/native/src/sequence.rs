@@ -21,6 +21,9 @@ struct SlotUpdate<'r> {
 impl Emitter<'_> {
     /// Generates code for a sequence of rules.
     pub fn sequence(&mut self, rules: impl FnOnce(&mut Self)) {
+        if self.gives_up() {
+            return;
+        }
         if self.mode == UpdateMode::Sequence {
             return rules(self);
         }

@@ -7,8 +7,11 @@
     reason = "a test fails by panicking"
 )]
 
+use asmotion_lang::ir::Program;
+use asmotion_lang::machine::back_end::{DirectRule, NativeCompiler, NativeRule, NoNativeCode};
 use asmotion_lang::simulate::{Random, Seeded, Trace};
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification};
+use asmotion_native::Cranelift;
 use std::path::Path;
 
 /// Number of steps that are compared.
@@ -48,8 +51,40 @@ fn programs() -> Vec<(String, Specification)> {
     programs
 }
 
-fn machine(name: &str, specification: &Specification, back_end: BackEnd) -> Machine {
+/// The implementations of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Closures,
+    /// Native code with detours to closures.
+    Detours,
+    /// Native code for whole steps, where the program permits it.
+    Direct,
+}
+
+/// Compiles no direct rules.
+#[derive(Debug)]
+struct OnlyDetours;
+
+impl NativeCompiler for OnlyDetours {
+    fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode> {
+        Cranelift.compile(program)
+    }
+
+    fn compile_direct(&self, _program: &Program) -> Option<Box<dyn DirectRule>> {
+        None
+    }
+}
+
+fn machine(name: &str, specification: &Specification, way: Way) -> Machine {
     let mut machine = specification.machine().unwrap();
+    let back_end = match way {
+        Way::Closures => BackEnd::Closures,
+        Way::Detours => {
+            machine.set_native_compiler(&OnlyDetours);
+            BackEnd::Native
+        }
+        Way::Direct => BackEnd::Native,
+    };
     machine.set_back_end(back_end).unwrap();
     assert_eq!(machine.back_end(), back_end, "in {name}");
     machine
@@ -82,13 +117,34 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
 }
 
 fn assert_same_runs(name: &str, specification: &Specification) {
-    let closures = machine(name, specification, BackEnd::Closures);
-    let native = machine(name, specification, BackEnd::Native);
-    let (closures, native) = (run(specification, closures), run(specification, native));
-    for (step, (closures, native)) in closures.iter().zip(&native).enumerate() {
-        assert_eq!(native, closures, "in {name}, step {}", step + 1);
+    let closures = run(specification, machine(name, specification, Way::Closures));
+    for way in [Way::Detours, Way::Direct] {
+        let native = run(specification, machine(name, specification, way));
+        for (step, (closures, native)) in closures.iter().zip(&native).enumerate() {
+            assert_eq!(native, closures, "{way:?} in {name}, step {}", step + 1);
+        }
+        assert_eq!(native.len(), closures.len(), "{way:?} in {name}");
     }
-    assert_eq!(native.len(), closures.len(), "in {name}");
+}
+
+#[test]
+fn direct_rules_cover_the_machines_of_the_benchmark() {
+    let mut direct = Vec::new();
+    for (name, specification) in programs() {
+        if Cranelift.compile_direct(&specification.program).is_some() {
+            direct.push(name);
+        }
+    }
+    for name in [
+        "counter",
+        "phil50",
+        "life32",
+        "sort64",
+        "agents100",
+        "coord",
+    ] {
+        assert!(direct.contains(&format!("{name}.asm")), "{direct:?}");
+    }
 }
 
 #[test]
@@ -111,8 +167,8 @@ fn both_back_ends_count_the_same_coverage() {
 fn an_evaluated_step_has_the_updates_of_the_step_and_changes_nothing() {
     let mut compared = 0;
     for (name, specification) in programs() {
-        for back_end in [BackEnd::Closures, BackEnd::Native] {
-            let mut machine = machine(&name, &specification, back_end);
+        for way in [Way::Closures, Way::Detours, Way::Direct] {
+            let mut machine = machine(&name, &specification, way);
             let mut inputs = Random::new(specification.program.clone(), &machine, 5);
             let mut choices = Seeded::new(5);
             for now in 0..STEPS {

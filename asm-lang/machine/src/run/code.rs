@@ -1,5 +1,6 @@
 //! Compiled programs: closures for everything, optionally with native code for the main rule.
 
+use crate::direct::DirectRule;
 use crate::packed::Layout;
 use crate::run::{KleeneTruth, RuleStopped, StepContext};
 use asmotion_ir::{DomainId, Origin, Program};
@@ -34,6 +35,8 @@ pub(crate) struct CompiledProgram {
     /// The main rule as native code. Initialised at most once, when a machine first needs it, and
     /// shared by the machines cloned from each other.
     pub native: OnceLock<Result<Box<dyn NativeRule>, NoNativeCode>>,
+    /// The main rule as native code for whole steps; `None` if it is not suitable.
+    pub direct: OnceLock<Option<Box<dyn DirectRule>>>,
 }
 
 /// Compiles main rules to native code. The implementing crate depends on the machine, which only
@@ -45,6 +48,9 @@ pub trait NativeCompiler: Send + Sync + fmt::Debug {
     /// The program or the processor is not supported. The machine then uses closures, which execute
     /// the same steps.
     fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode>;
+
+    /// Compiles the main rule of a program for direct steps; `None` if it is not suitable for them.
+    fn compile_direct(&self, program: &Program) -> Option<Box<dyn DirectRule>>;
 }
 
 /// A main rule as native code. It may leave any part of the rule to the closure of that part, but

@@ -1,0 +1,115 @@
+//! Direct steps: native code that evaluates a whole step without the context that closures need.
+//!
+//! A direct rule has no detours. Where it meets something that it does not handle (undef, overflow, a possible clash), it
+//! gives up, and the step is evaluated again from its beginning. This is sound because a direct rule changes nothing but the
+//! update set. Choices are an exception, because the chooser is asked only once for each: the second evaluation repeats
+//! those already made.
+
+use crate::back_end::Choosing;
+use crate::choose::Chooser;
+use crate::record::{StepChoice, StepLog};
+use crate::updates::{UpdateLists, Updates};
+use asmotion_ir::Origin;
+use asmotion_value::Value;
+
+/// A main rule as native code that handles whole steps.
+pub trait DirectRule: Send + Sync {
+    /// Collects the updates of a step. Returns `false` if it gave up; apart from choices and coverage counters, this has no
+    /// effect.
+    ///
+    /// The rule may be called only if it was compiled for the program whose step this is.
+    fn collect(&self, step: &mut DirectStep<'_>) -> bool;
+}
+
+/// Number of steps that a direct rule may give up, whatever their share: locations get their first values in such steps.
+const MIN_MISSES: u64 = 64;
+
+/// A direct rule is no longer used if it gave up more than one in this many steps.
+const HITS: u64 = 4;
+
+/// The steps of a machine that its direct rule was tried for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct DirectUse {
+    /// `true` if the next step is tried.
+    pub is_on: bool,
+    /// `true` if the rule gives up too often to be tried again.
+    pub is_refused: bool,
+    pub tried: u64,
+    pub missed: u64,
+}
+
+impl DirectUse {
+    /// Counts a step for which the rule gave up.
+    pub fn miss(&mut self) {
+        self.missed += 1;
+        if self.missed > MIN_MISSES && self.missed > self.tried / HITS {
+            self.is_on = false;
+            self.is_refused = true;
+        }
+    }
+}
+
+/// The parts of a machine that a direct rule accesses.
+pub struct DirectStep<'a> {
+    pub(crate) slots: &'a mut [Value],
+    pub(crate) updates: &'a mut Updates,
+    pub(crate) chooser: &'a mut dyn Chooser,
+    pub(crate) record: &'a mut StepLog,
+}
+
+impl DirectStep<'_> {
+    /// Returns the values of all slots.
+    #[inline]
+    pub fn slots_mut(&mut self) -> &mut [Value] {
+        self.slots
+    }
+
+    /// Returns the lists of the update set, which is empty at the start of a step.
+    #[inline]
+    pub fn update_lists(&mut self) -> UpdateLists<'_> {
+        self.updates.lists()
+    }
+
+    /// Returns the coverage counters of the program. They stay in place during the step.
+    #[inline]
+    pub fn counters(&mut self) -> &mut [u64] {
+        &mut self.record.counts
+    }
+
+    /// Returns how a variable with this range is chosen.
+    pub fn choosing(&self, range: Origin) -> Choosing {
+        Choosing::by(self.chooser, range)
+    }
+
+    /// Returns the index of the chosen candidate, and records the choice. `count` is at least 1.
+    pub fn choose(&mut self, count: usize, origin: Origin) -> usize {
+        self.record.choose(self.chooser, count, origin)
+    }
+}
+
+/// Repeats choices, then asks a chooser for further ones.
+pub(crate) struct RepeatedChoices<'a> {
+    pub made: Vec<StepChoice>,
+    pub next: usize,
+    pub chooser: &'a mut dyn Chooser,
+}
+
+impl Chooser for RepeatedChoices<'_> {
+    fn choose(&mut self, count: usize) -> usize {
+        match self.made.get(self.next) {
+            Some(choice) => {
+                self.next += 1;
+                choice.index
+            }
+            None => self.chooser.choose(count),
+        }
+    }
+
+    fn takes_first(&self) -> bool {
+        self.chooser.takes_first()
+    }
+
+    fn picked(&self, range: Origin) -> Option<Value> {
+        self.chooser.picked(range)
+    }
+}

@@ -1,0 +1,205 @@
+//! Generates direct rules: native code that evaluates whole steps, and gives up where other native code has a detour.
+//!
+//! A direct rule needs neither the context of a step nor its counters: the numbers of bindings, calls and updates are
+//! bounded when it is compiled. Functions whose locations are updated at most once need no marks.
+
+use crate::clash::clash_free;
+use crate::compile::{emitted, module};
+use crate::direct_frame::{self, DirectEntry, DirectFrame};
+use crate::emit::{Emitter, KnownValue};
+use crate::frame::at;
+use crate::location::Located;
+use crate::memory::CodeMemory;
+use crate::rule::{BoundRange, total};
+use asmotion_ir::{Origin, Program};
+use asmotion_machine::back_end::{DirectRule, DirectStep, MAX_BINDINGS, MAX_CALLS};
+use cranelift_codegen::ir::InstBuilder;
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::{I32, I64};
+use cranelift_frontend::Variable;
+
+/// Limit for the number of updates of a direct step.
+const MAX_UPDATES: u64 = 1 << 20;
+
+/// The code of a direct rule, which has no detours: it gives up instead.
+pub(crate) struct DirectCode {
+    /// Address of the next update.
+    next_update: Variable,
+    /// The functions whose locations are updated at most once in a step, indexed by function.
+    clash_free: Vec<bool>,
+    /// Number of times that the code generated next is executed at most in a step.
+    repetitions: u64,
+    /// Greatest possible numbers of updates, of bindings and of calls.
+    updates: u64,
+    bindings: u64,
+    calls: u64,
+    /// `true` if the rule gives up in each step.
+    is_futile: bool,
+}
+
+/// A direct rule with its code.
+struct DirectMainRule {
+    entry: DirectEntry,
+    /// Greatest possible number of updates.
+    updates: usize,
+    /// Owns the code that `entry` points to.
+    _memory: CodeMemory,
+}
+
+impl DirectRule for DirectMainRule {
+    #[inline]
+    fn collect(&self, step: &mut DirectStep<'_>) -> bool {
+        DirectFrame::enter(step, self.entry, self.updates)
+    }
+}
+
+/// Compiles the main rule for direct steps; `None` if they would not be sound, or useless.
+pub(crate) fn compile_direct(program: &Program) -> Option<Box<dyn DirectRule>> {
+    let main = program.main?;
+    let assumes = program.invariants.iter().any(|invariant| invariant.assumes);
+    if program.compatible || program.messages.is_some() || assumes {
+        return None;
+    }
+    let mut module = module()?;
+    let free = clash_free(program, main);
+    let mut updates = None;
+    let function = emitted(
+        program,
+        main,
+        &mut module,
+        |emitter| emitter.set_direct(free),
+        |rule| {
+            updates = rule.direct.as_ref().and_then(DirectCode::updates);
+            rule.is_whole && updates.is_some()
+        },
+    );
+    let memory = CodeMemory::new(module);
+    let (function, _) = function?;
+    Some(Box::new(DirectMainRule {
+        entry: memory.direct_entry(function)?,
+        updates: updates?,
+        _memory: memory,
+    }))
+}
+
+impl DirectCode {
+    /// Returns the greatest possible number of updates in a step, if direct steps keep all limits.
+    fn updates(&self) -> Option<usize> {
+        // the main rule is the first call
+        let is_bounded = self.bindings <= u64::from(MAX_BINDINGS)
+            && self.calls < u64::from(MAX_CALLS)
+            && self.updates <= MAX_UPDATES;
+        (is_bounded && !self.is_futile).then_some(self.updates as usize)
+    }
+}
+
+impl Emitter<'_> {
+    /// Generates a direct rule instead of code with detours.
+    pub fn set_direct(&mut self, clash_free: Vec<bool>) {
+        self.calls.way.address = direct_frame::way as *const () as usize as i64;
+        self.calls.choose.address = direct_frame::choose as *const () as usize as i64;
+        let next_update = self.builder.declare_var(I64);
+        let first = self.field(I64, at::LIST);
+        self.builder.def_var(next_update, first);
+        self.direct = Some(DirectCode {
+            next_update,
+            clash_free,
+            repetitions: 1,
+            updates: 0,
+            bindings: 0,
+            calls: 0,
+            is_futile: false,
+        });
+    }
+
+    /// Generates the end of a direct rule: the number of its updates.
+    pub fn end_direct(&mut self) {
+        if let Some(direct) = &self.direct {
+            let next_update = self.builder.use_var(direct.next_update);
+            self.store(self.memory.frame, next_update, self.frame, at::LIST);
+        }
+    }
+
+    /// In a direct rule, generates the exit that gives up, and returns `true`. The code that follows is unreachable.
+    pub fn gives_up(&mut self) -> bool {
+        let is_certain = self.conditions == 0;
+        let Some(direct) = &mut self.direct else {
+            return false;
+        };
+        direct.is_futile |= is_certain;
+        self.bail();
+        let rest = self.block();
+        self.begin(rest);
+        true
+    }
+
+    /// In a direct rule, counts a call at compile time, and returns `true`.
+    pub fn counts_call(&mut self) -> bool {
+        let Some(direct) = &mut self.direct else {
+            return false;
+        };
+        direct.calls = direct.calls.saturating_add(direct.repetitions);
+        true
+    }
+
+    /// In a direct rule, counts the bindings of loops at compile time, and returns `true`.
+    pub fn counts_bindings(&mut self, spans: &[BoundRange]) -> bool {
+        let Some(direct) = &mut self.direct else {
+            return false;
+        };
+        let bindings = total(spans).saturating_mul(direct.repetitions);
+        direct.bindings = direct.bindings.saturating_add(bindings);
+        true
+    }
+
+    /// Generates the body of a loop with this number of iterations.
+    pub fn repeated(&mut self, count: u64, body: impl FnOnce(&mut Self)) {
+        let outer = self.direct.as_ref().map(|direct| direct.repetitions);
+        if let Some(direct) = &mut self.direct {
+            direct.repetitions = direct.repetitions.saturating_mul(count);
+        }
+        body(self);
+        if let (Some(direct), Some(outer)) = (&mut self.direct, outer) {
+            direct.repetitions = outer;
+        }
+    }
+
+    /// Generates code that is executed only under a condition.
+    pub fn conditionally(&mut self, code: impl FnOnce(&mut Self)) {
+        self.conditions += 1;
+        code(self);
+        self.conditions -= 1;
+    }
+
+    /// In a direct rule, generates an update, and returns `true`. Gives up if the location already has one.
+    pub fn writes_directly(
+        &mut self,
+        located: &Located,
+        value: KnownValue,
+        origin: Origin,
+    ) -> bool {
+        let Some(direct) = &mut self.direct else {
+            return false;
+        };
+        direct.updates = direct.updates.saturating_add(direct.repetitions);
+        let next_update = direct.next_update;
+        let free = direct.clash_free.get(located.function.0 as usize);
+        let is_free = free.copied().unwrap_or(false);
+        let slot = self.slot(located);
+        if !is_free {
+            let mark = self.mark(slot);
+            let of = self.load(self.memory.updates, I32, mark, at::MARK_EPOCH);
+            let epoch = self.field(I32, at::EPOCH);
+            let again = self.builder.ins().icmp(IntCC::Equal, of, epoch);
+            self.bail_if(again);
+            self.store(self.memory.updates, epoch, mark, at::MARK_EPOCH);
+        }
+        let update = self.builder.use_var(next_update);
+        let slot = self.builder.ins().ireduce(I32, slot);
+        self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
+        self.put_update(update, value, origin);
+        let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
+        self.builder.def_var(next_update, next);
+        true
+    }
+}

@@ -1,0 +1,96 @@
+//! The memory that a direct rule shares with a step, and its calls to the host.
+//!
+//! The frame begins like [`NativeFrame`](crate::frame::NativeFrame), so that the same code accesses slots, marks and
+//! counters. The host functions change nothing that the frame points to, so no pointer becomes stale. The README of this
+//! crate gives the whole safety argument.
+
+#![expect(
+    unsafe_code,
+    reason = "native code and the machine share memory by pointers"
+)]
+
+use crate::frame::at;
+use asmotion_ir::Origin;
+use asmotion_machine::Update;
+use asmotion_machine::back_end::{Choosing, DirectStep, Mark};
+use asmotion_value::Value;
+use std::mem::offset_of;
+
+/// The signature of a direct rule. It returns 0 if the update set is complete and 1 if it gave up.
+pub(crate) type DirectEntry = unsafe extern "C" fn(*mut DirectFrame) -> u8;
+
+/// The interface to a step, at the offsets in [`at`].
+#[repr(C)]
+pub(crate) struct DirectFrame {
+    slots: *mut Value,
+    marks: *mut Mark,
+    /// The first update; after a complete evaluation, the end of the last one.
+    list: *mut Update,
+    counters: *mut u64,
+    epoch: u32,
+    step: *mut DirectStep<'static>,
+}
+
+const _: () = {
+    assert!(offset_of!(DirectFrame, slots) as i32 == at::SLOTS);
+    assert!(offset_of!(DirectFrame, marks) as i32 == at::MARKS);
+    assert!(offset_of!(DirectFrame, list) as i32 == at::LIST);
+    assert!(offset_of!(DirectFrame, counters) as i32 == at::COUNTERS);
+    assert!(offset_of!(DirectFrame, epoch) as i32 == at::EPOCH);
+};
+
+impl DirectFrame {
+    /// Runs a direct rule, which adds at most `updates` updates. Returns `false` if it gave up.
+    #[inline]
+    pub fn enter(step: &mut DirectStep<'_>, entry: DirectEntry, updates: usize) -> bool {
+        let slots = step.slots_mut().as_mut_ptr();
+        let counters = step.counters().as_mut_ptr();
+        let lists = step.update_lists();
+        lists.updates.reserve(updates);
+        let list = lists.updates.as_mut_ptr();
+        let (marks, epoch) = (lists.marks.as_mut_ptr(), lists.epoch);
+        let mut frame = Self {
+            slots,
+            marks,
+            list,
+            counters,
+            epoch,
+            step: std::ptr::from_mut(step).cast(),
+        };
+        // SAFETY: the entry was generated for the program of this step and for this layout of the frame, and its memory
+        // lives as long as the rule that called this function. It accesses slots and marks only below the number of slots
+        // that the program fixes, counters only below their number, and writes at most `updates` updates, for which the
+        // list, empty at the start of a step, has capacity. `step` is not used here until it returns.
+        let gave_up = unsafe { entry(&raw mut frame) };
+        if gave_up != 0 {
+            return false;
+        }
+        // SAFETY: both pointers are into the allocation of the list, and their distance is a multiple of the size of an
+        // update, of which native code has initialised as many.
+        unsafe {
+            let count = frame.list.offset_from_unsigned(list);
+            step.update_lists().updates.set_len(count);
+        }
+        true
+    }
+
+    fn step(&mut self) -> &mut DirectStep<'static> {
+        // SAFETY: the pointer stems from the exclusive borrow that `enter` holds and does not use meanwhile. The reference
+        // does not outlive the call to the host, during which native code is suspended.
+        unsafe { &mut *self.step }
+    }
+}
+
+/// Returns how the value of a variable with this range is chosen: 0 by index, 1 the first candidate, 2 picked from outside.
+pub(crate) extern "C" fn way(frame: &mut DirectFrame, range: u32) -> u8 {
+    match frame.step().choosing(Origin(range)) {
+        Choosing::ByNumber => 0,
+        Choosing::First => 1,
+        Choosing::Picked => 2,
+    }
+}
+
+/// Returns the index of the chosen one of `count` candidates.
+pub(crate) extern "C" fn choose(frame: &mut DirectFrame, count: u64, origin: u32) -> u64 {
+    frame.step().choose(count as usize, Origin(origin)) as u64
+}
