@@ -24,7 +24,7 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-syntax", "asmotion-stdlib"],
     &["asmotion-hir", "asmotion-grammar"],
     &["asmotion-ir"],
-    &["asmotion-machine"],
+    &["asmotion-machine", "asmotion-ground"],
     &["asmotion-simulate", "asmotion-native"],
     &["asmotion-lang"],
     &["asmotion-properties", "asmotion-verify"],
