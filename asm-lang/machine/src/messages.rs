@@ -7,8 +7,10 @@
 
 mod packed;
 mod sent;
+mod waiting;
 
 pub use sent::{CallFault, MessageId, SentKind, SentMessage};
+pub use waiting::PendingCall;
 
 use asmotion_ir::{Messages, Origin};
 use asmotion_stdlib::{MessageAction, MessageQuery};

@@ -166,6 +166,21 @@ impl Machine {
         })
     }
 
+    /// Returns the value of a location, which is accessed if it was not yet.
+    pub(crate) fn interned_value(&mut self, function: FunctionId, arguments: &[Value]) -> Value {
+        let step = self.steps;
+        let slot = self.outside_step(|machine| {
+            machine.run(&mut NoInputs, &mut FirstChoice, step, 0, |run| {
+                run.stack.extend_from_slice(arguments);
+                run.slot(function, 0)
+            })
+        });
+        let slot = slot
+            .ok()
+            .and_then(|slot| self.state.store.slots.get(slot as usize));
+        slot.cloned().unwrap_or_default()
+    }
+
     /// Evaluates an assignment from outside in the current state; returns the function, the
     /// arguments and the value.
     ///

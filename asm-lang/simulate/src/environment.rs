@@ -78,6 +78,16 @@ impl Script {
         self.steps.is_empty()
     }
 
+    /// Continues with the inputs of a step, given by its index from 0.
+    pub fn go_to(&mut self, step: usize) {
+        self.at = step;
+    }
+
+    /// Returns `true` if the script plays partners.
+    pub fn has_partners(&self) -> bool {
+        !self.answers.is_empty()
+    }
+
     /// Advances to the inputs of the next step.
     pub fn advance(&mut self) {
         self.at += 1;

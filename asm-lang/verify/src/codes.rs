@@ -6,6 +6,12 @@ pub(crate) mod m003;
 pub(crate) mod m004;
 pub(crate) mod m005;
 pub(crate) mod m006;
+pub(crate) mod m007;
+pub(crate) mod m008;
+pub(crate) mod m009;
+pub(crate) mod m010;
+pub(crate) mod m011;
+pub(crate) mod m012;
 
 use asmotion_diagnostics::{Code, Span};
 use asmotion_lang::Specification;
@@ -16,8 +22,14 @@ pub const CODES: &[&Code] = &[
     m002::TooManyAlternatives::CODE,
     m003::NoTemporalFormula::CODE,
     m004::FormulaTooLarge::CODE,
-    m005::ExchangesMessages::CODE,
+    m005::UnknownContent::CODE,
     m006::NothingAssumed::CODE,
+    m007::AmbiguousConnection::CODE,
+    m008::ConnectionMismatch::CODE,
+    m009::UnusedProvision::CODE,
+    m010::NothingProvided::CODE,
+    m011::MailboxOverflow::CODE,
+    m012::SeveralMachines::CODE,
 ];
 
 /// Returns the place of the main rule.

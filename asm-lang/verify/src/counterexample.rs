@@ -2,10 +2,10 @@
 
 use crate::decisions::{Decision, Decisions};
 use crate::explore::Exploration;
+use crate::system::VerifiedMachine;
 use crate::transition::{MachineFault, TransitionSystem};
-use crate::verify::VerifiedMachine;
 use asmotion_diagnostics::{Diagnostic, Span};
-use asmotion_lang::simulate::{Trace, location};
+use asmotion_lang::simulate::{Trace, location, sent};
 use asmotion_lang::{Machine, Value};
 
 /// A run from an initial state.
@@ -39,6 +39,8 @@ pub struct RunStep {
     pub choices: Vec<(usize, usize, Span)>,
     /// Updates that change a location, sorted by location.
     pub updates: Vec<RunUpdate>,
+    /// What happened to messages before and after the step.
+    pub messages: Vec<String>,
     /// The reason for which the step fails.
     pub fault: Option<Box<Diagnostic>>,
 }
@@ -60,6 +62,8 @@ pub struct RunUpdate {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodePath {
     pub nodes: Vec<u32>,
+    /// Labels of the transitions, as far as they matter.
+    pub labels: Vec<Option<u32>>,
     /// Index of the node to which the last one leads back.
     pub cycle: Option<usize>,
     /// Decisions of a step that fails in the last node.
@@ -71,6 +75,7 @@ impl NodePath {
     pub fn to(exploration: &Exploration, node: u32) -> Self {
         Self {
             nodes: exploration.path(node),
+            labels: Vec::new(),
             cycle: None,
             failing: None,
         }
@@ -98,11 +103,15 @@ impl<S: TransitionSystem> Replay<'_, S> {
         let back = path.cycle.and_then(|index| path.nodes.get(index));
         let ends = path.nodes.iter().skip(1).chain(back);
         let mut stopped = None;
+        if let Some(first) = path.nodes.first() {
+            self.begin(&mut system, *first, &mut traces, &mut run);
+        }
         for (index, (from, to)) in path.nodes.iter().zip(ends).enumerate() {
             if path.cycle == Some(index) {
                 run.cycle = Some(run.steps.len());
             }
-            let Some(decisions) = self.decisions(*from, *to) else {
+            let label = path.labels.get(index).copied().flatten();
+            let Some(decisions) = self.decisions(*from, *to, label) else {
                 break;
             };
             self.step(&mut system, *from, &decisions, &mut traces, &mut run);
@@ -129,14 +138,36 @@ impl<S: TransitionSystem> Replay<'_, S> {
         run.traces = traces
             .map(|(index, (trace, machine))| {
                 let fault = stopped.as_ref().filter(|it| it.machine == index);
-                trace.end(machine, fault.map(|it| &*it.fault))
+                trace.end(machine, fault.and_then(MachineFault::step))
             })
             .collect();
         run
     }
 
-    /// Returns the first decisions that lead from a node to another.
-    fn decisions(&self, from: u32, to: u32) -> Option<Vec<Decision>> {
+    /// Enters an initial state. The steps of an environment are part of the first transition.
+    fn begin(&self, system: &mut S, node: u32, traces: &mut [Trace], run: &mut Run) {
+        let wanted = self.exploration.state(node);
+        let mut before = Vec::new();
+        system.pack(&mut before);
+        let decisions = Decisions::default();
+        let mut packed = Vec::new();
+        loop {
+            let done = system.begin(&decisions);
+            packed.clear();
+            system.pack(&mut packed);
+            if done.is_err() || packed == wanted || !decisions.advance() {
+                break;
+            }
+            system.restore(&before);
+        }
+        let moved = system.moved().iter();
+        if moved.clone().all(|index| system.prepares_next(*index)) {
+            self.show(system, 0, None, traces, run);
+        }
+    }
+
+    /// Returns the first decisions that lead from a node to another, by a transition with this label.
+    fn decisions(&self, from: u32, to: u32, label: Option<u32>) -> Option<Vec<Decision>> {
         let mut system = self.system.clone();
         let (from_state, to_state) = (self.exploration.state(from), self.exploration.state(to));
         let decisions = Decisions::default();
@@ -146,7 +177,8 @@ impl<S: TransitionSystem> Replay<'_, S> {
             let done = system.step(&decisions, self.exploration.inputs(from));
             packed.clear();
             system.pack(&mut packed);
-            if done.is_ok() && packed == to_state {
+            let is_meant = label.is_none_or(|label| system.label() == label);
+            if done.is_ok() && packed == to_state && is_meant {
                 return Some(decisions.taken());
             }
             if !decisions.advance() {
@@ -168,22 +200,39 @@ impl<S: TransitionSystem> Replay<'_, S> {
         decisions.repeat(taken);
         let done = system.step(&decisions, self.exploration.inputs(node));
         let fault = done.err();
-        let transition = run.steps.last().map_or(0, |step| step.transition) + 1;
+        let steps = run.steps.iter();
+        let before = steps.filter(|step| !system.prepares_next(step.machine));
+        let transition = before.map(|step| step.transition).max().unwrap_or(0) + 1;
+        self.show(system, transition, fault.as_ref(), traces, run);
+        fault
+    }
+
+    /// Appends the steps that the system has made to a run.
+    fn show(
+        &self,
+        system: &S,
+        transition: usize,
+        fault: Option<&MachineFault>,
+        traces: &mut [Trace],
+        run: &mut Run,
+    ) {
+        let mut events = system.events().to_vec();
         for &index in system.moved() {
             let Some(machine) = system.machines().get(index) else {
                 continue;
             };
-            let fault = fault.as_ref().filter(|it| it.machine == index);
+            let fault = fault.filter(|it| it.machine == index);
             if let Some(trace) = traces.get_mut(index) {
-                match fault {
+                match fault.and_then(MachineFault::step) {
                     None => trace.step(machine),
-                    Some(fault) => trace.fault(machine, &fault.fault),
+                    Some(fault) => trace.fault(machine, fault),
                 }
             }
-            run.steps
-                .push(self.shown(index, machine, transition, fault));
+            let transition = transition + usize::from(system.prepares_next(index));
+            let mut step = self.shown(index, machine, transition, fault);
+            step.messages.append(&mut events);
+            run.steps.push(step);
         }
-        fault
     }
 
     fn shown(
@@ -215,7 +264,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
         }
         updates.sort_by(|left, right| left.location.cmp(&right.location));
         let explained = fault.and_then(|fault| {
-            let diagnostic = specification?.explain_in(&fault.fault, machine);
+            let diagnostic = fault.diagnostic(specification?, Some(machine));
             Some(Box::new(diagnostic))
         });
         RunStep {
@@ -224,6 +273,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
             inputs: inputs.collect(),
             choices: choices.collect(),
             updates,
+            messages: step.sent().iter().map(|it| sent(machine, it)).collect(),
             fault: explained,
         }
     }

@@ -82,6 +82,45 @@ impl Decisions {
         false
     }
 
+    /// Decides between a number of possibilities; returns the index of one.
+    pub fn decide(&self, count: usize) -> usize {
+        self.current.borrow_mut().next(count)
+    }
+
+    /// Returns `true` if the current execution has read an input.
+    pub fn has_read(&self, machine: usize, function: FunctionId, arguments: &[Value]) -> bool {
+        let current = self.current.borrow();
+        current.read.iter().any(|input| {
+            input.machine == machine && input.function == function && *input.arguments == *arguments
+        })
+    }
+
+    /// Returns the value of an input: the one that the current execution has read, or one of these.
+    pub fn input(
+        &self,
+        machine: usize,
+        function: FunctionId,
+        arguments: &[Value],
+        values: &[Value],
+    ) -> Value {
+        let mut current = self.current.borrow_mut();
+        let known = current.read.iter().find(|input| {
+            input.machine == machine && input.function == function && *input.arguments == *arguments
+        });
+        if let Some(known) = known {
+            return known.value.clone();
+        }
+        let taken = current.next(values.len());
+        let value = values.get(taken).cloned().unwrap_or_default();
+        current.read.push(InputValue {
+            machine,
+            function,
+            arguments: arguments.into(),
+            value: value.clone(),
+        });
+        value
+    }
+
     /// Returns the inputs that the current execution has read, in order of reading.
     pub fn read(&self) -> Vec<InputValue> {
         self.current.borrow().read.clone()
@@ -128,19 +167,10 @@ impl Environment for DecidedInputs<'_> {
         if let Some(known) = self.known.iter().find(is_it) {
             return Ok(Some(known.value.clone()));
         }
-        let mut current = self.decisions.current.borrow_mut();
-        if let Some(known) = current.read.iter().find(is_it) {
-            return Ok(Some(known.value.clone()));
-        }
         let values = self.ranges.of(function)?;
-        let taken = current.next(values.len());
-        let value = values.get(taken).cloned().unwrap_or_default();
-        current.read.push(InputValue {
-            machine: self.machine,
-            function,
-            arguments: arguments.into(),
-            value: value.clone(),
-        });
+        let value = self
+            .decisions
+            .input(self.machine, function, arguments, values);
         Ok(Some(value))
     }
 

@@ -6,7 +6,7 @@
 use crate::decisions::{Decision, Decisions, InputValue};
 use crate::store::StateStore;
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
-use asmotion_lang::{FaultKind, Value};
+use asmotion_lang::Value;
 use std::collections::{BTreeMap, HashMap};
 
 /// Parent of an initial node.
@@ -137,6 +137,8 @@ pub(crate) struct Exploration {
     /// Edges of each explored node: its end in `targets`.
     pub edge_ends: Vec<u64>,
     pub targets: Vec<u32>,
+    /// Label of each transition in `targets`, if fairness refers to labels.
+    pub labels: Vec<u32>,
     pub keeps_edges: bool,
     pub faults: Vec<FoundFault>,
     /// States in which no step changes anything; the first one, and their number.
@@ -197,15 +199,18 @@ impl Exploration {
         path
     }
 
-    /// Returns the successors of a node in ascending order, if transitions are kept.
-    pub fn successors(&self, node: u32) -> &[u32] {
+    /// Returns the successors of a node in ascending order, with the labels of the transitions, if they are kept.
+    pub fn labelled_successors(&self, node: u32) -> impl Iterator<Item = (u32, u32)> {
         let at = node as usize;
         let end = self.edge_ends.get(at).copied().unwrap_or(0) as usize;
         let start = at
             .checked_sub(1)
             .and_then(|before| self.edge_ends.get(before));
-        let start = start.copied().unwrap_or(0) as usize;
-        self.targets.get(start..end).unwrap_or_default()
+        let edges = start.copied().unwrap_or(0) as usize..end;
+        edges.filter_map(|edge| {
+            let label = self.labels.get(edge).copied().unwrap_or_default();
+            Some((*self.targets.get(edge)?, label))
+        })
     }
 
     /// Returns the greatest number of steps on a shortest path.
@@ -217,7 +222,9 @@ impl Exploration {
         let per_node =
             self.state_of.capacity() + self.inputs_of.capacity() + self.parents.capacity();
         let words = self.truths.iter().map(|truths| truths.words.capacity() * 8);
-        let edges = self.edge_ends.capacity() * 8 + self.targets.capacity() * 4;
+        let edges = self.edge_ends.capacity() * 8
+            + self.targets.capacity() * 4
+            + self.labels.capacity() * 4;
         let own = per_node * 4 + self.first_nodes.capacity() * 4 + edges + words.sum::<usize>();
         (own + self.states.memory()) as u64
     }
@@ -234,11 +241,16 @@ pub(crate) struct Explorer<'a, S> {
     known_inputs: HashMap<Vec<InputValue>, u32>,
     values: Vec<Value>,
     packed: Vec<u8>,
+    /// Transitions of the node that is being explored, with their labels.
+    edges: Vec<(u32, u32)>,
+    /// `true` if fairness refers to the labels of transitions.
+    has_labels: bool,
 }
 
 impl<'a, S: TransitionSystem> Explorer<'a, S> {
     pub fn new(system: S, conditions: &'a Conditions, limits: Limits, keeps_edges: bool) -> Self {
         let count = conditions.terms.len();
+        let has_labels = !system.fairness().is_empty();
         let found = Exploration {
             truths: vec![Truths::default(); count],
             undefined: vec![0; count],
@@ -254,6 +266,8 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             known_inputs: HashMap::new(),
             values: Vec::new(),
             packed: Vec::new(),
+            edges: Vec::new(),
+            has_labels,
         }
     }
 
@@ -262,10 +276,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         mut self,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
-        self.packed.clear();
-        self.system.pack(&mut self.packed);
-        self.found.transitions = 1;
-        self.arrive(NO_PARENT)?;
+        self.begin()?;
         self.found.initial = self.found.nodes();
         self.found.levels.push(0);
         let mut node = 0;
@@ -286,6 +297,31 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         }
         self.found.counts = self.system.counts();
         Ok(self.found)
+    }
+
+    /// Adds the initial states.
+    fn begin(&mut self) -> Result<(), ExplorationError> {
+        let mut before = Vec::new();
+        self.system.pack(&mut before);
+        self.decisions.restart();
+        loop {
+            if let Err(fault) = self.system.begin(&self.decisions) {
+                return Err(if fault.is_of_input() {
+                    ExplorationError::Input(fault)
+                } else {
+                    ExplorationError::Initial(fault)
+                });
+            }
+            self.packed.clear();
+            self.system.pack(&mut self.packed);
+            let known = self.found.states.len();
+            self.arrive(NO_PARENT)?;
+            self.found.transitions += (self.found.states.len() - known) as u64;
+            if !self.decisions.advance() {
+                return Ok(());
+            }
+            self.system.restore(&before);
+        }
     }
 
     /// Returns the limit that is reached, if any.
@@ -335,8 +371,11 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             .copied()
             .unwrap_or_default();
         let bytes = self.found.state(node).to_vec();
-        let first_edge = self.found.targets.len();
         self.system.restore(&bytes);
+        if self.system.has_ended() {
+            self.finish(node, state, false);
+            return Ok(());
+        }
         self.decisions.restart();
         let mut executions = 0;
         let mut rests = true;
@@ -367,7 +406,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
                 self.system.restore(&bytes);
             }
         }
-        self.finish(node, state, rests, first_edge);
+        self.finish(node, state, rests);
         Ok(())
     }
 
@@ -382,8 +421,13 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             self.observe(state, parent)?;
         }
         if self.found.keeps_edges && parent != NO_PARENT {
+            let label = if self.has_labels {
+                self.system.label()
+            } else {
+                0
+            };
             let nodes = self.found.nodes_of(state);
-            self.found.targets.extend(nodes);
+            self.edges.extend(nodes.map(|node| (node, label)));
         }
         Ok(state)
     }
@@ -431,7 +475,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             let rest = terms.get(self.values.len()..).unwrap_or_default();
             let done = self.system.evaluate(rest, decisions, &mut self.values);
             if let Err(fault) = done {
-                if let FaultKind::Input { .. } = fault.fault.kind {
+                if fault.is_of_input() {
                     return Err(ExplorationError::Input(fault));
                 }
                 let index = self.values.len();
@@ -460,13 +504,20 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
     }
 
     /// Ends the edges of a node, and notes whether its state is stuck.
-    fn finish(&mut self, node: u32, state: u32, rests: bool, first_edge: usize) {
+    fn finish(&mut self, node: u32, state: u32, rests: bool) {
         let found = &mut self.found;
         if found.keeps_edges {
-            if let Some(edges) = found.targets.get_mut(first_edge..) {
-                edges.sort_unstable();
+            self.edges.sort_unstable();
+            self.edges.dedup();
+            found
+                .targets
+                .extend(self.edges.iter().map(|(target, _)| target));
+            if self.has_labels {
+                found
+                    .labels
+                    .extend(self.edges.iter().map(|(_, label)| label));
             }
-            dedup_from(&mut found.targets, first_edge);
+            self.edges.clear();
             found.edge_ends.push(found.targets.len() as u64);
         }
         // a state is stuck if it is so with all inputs
@@ -482,19 +533,13 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
     }
 
     fn fault(&mut self, node: u32, found: MachineFault) -> Result<(), ExplorationError> {
-        let fault = &found.fault;
-        if let FaultKind::Input { .. } = fault.kind {
+        if found.is_of_input() {
             return Err(ExplorationError::Input(found));
         }
-        if node == 0 && fault.step == 0 {
+        if node == 0 && found.step().is_some_and(|fault| fault.step == 0) {
             return Err(ExplorationError::Initial(found));
         }
-        let same = |known: &&mut FoundFault| {
-            let before = &known.fault.fault;
-            known.fault.machine == found.machine
-                && before.origin == fault.origin
-                && std::mem::discriminant(&before.kind) == std::mem::discriminant(&fault.kind)
-        };
+        let same = |known: &&mut FoundFault| known.fault.is_like(&found);
         if let Some(known) = self.found.faults.iter_mut().find(same) {
             known.count += 1;
         } else {
@@ -507,19 +552,4 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         }
         Ok(())
     }
-}
-
-/// Removes consecutive equal elements from an index on.
-fn dedup_from(list: &mut Vec<u32>, from: usize) {
-    let mut kept = from;
-    for index in from..list.len() {
-        let element = list.get(index).copied();
-        let before = kept.checked_sub(1).filter(|before| *before >= from);
-        if before.is_some_and(|before| list.get(before).copied() == element) {
-            continue;
-        }
-        list.swap(kept, index);
-        kept += 1;
-    }
-    list.truncate(kept);
 }

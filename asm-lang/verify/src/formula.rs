@@ -122,6 +122,8 @@ pub(crate) struct Formulas<'a> {
     pub model: &'a mut Model,
     /// A machine in the initial state, for the elements of domains.
     pub machine: &'a Machine,
+    /// Index of the first condition: the number of those of other machines.
+    pub first_condition: usize,
     pub conditions: Vec<AddedTerm>,
     /// Places of the conditions.
     pub places: Vec<Span>,
@@ -207,7 +209,7 @@ impl Formulas<'_> {
             root,
         });
         self.conditions.push(term);
-        Formula::Condition(self.conditions.len() - 1)
+        Formula::Condition(self.first_condition + self.conditions.len() - 1)
     }
 }
 

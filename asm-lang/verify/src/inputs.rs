@@ -7,6 +7,9 @@ use std::collections::BTreeMap;
 /// Limit for the values of an input.
 pub(crate) const MAX_VALUES: usize = 4096;
 
+/// The reason for which an input has no value.
+pub(crate) const NOT_ENUMERATED: &str = "its values cannot be enumerated";
+
 /// The possible values of each input.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InputRanges {
@@ -46,12 +49,16 @@ impl InputRanges {
     /// There are infinitely or too many.
     pub fn of(&self, function: FunctionId) -> Result<&[Value], String> {
         let values = self.values.get(&function).map(Vec::as_slice);
-        values.ok_or_else(|| "its values cannot be enumerated".to_owned())
+        values.ok_or_else(|| NOT_ENUMERATED.to_owned())
     }
 }
 
 /// Returns the elements of a shape in ascending order; `None` if there are more than [`MAX_VALUES`].
-fn elements(machine: &Machine, program: &Program, shape: &ValueShape) -> Option<Vec<Value>> {
+pub(crate) fn elements(
+    machine: &Machine,
+    program: &Program,
+    shape: &ValueShape,
+) -> Option<Vec<Value>> {
     match shape {
         ValueShape::Bool => Some(vec![Value::Bool(false), Value::Bool(true)]),
         ValueShape::Domain(domain) => match program.domains.get(domain.0 as usize)?.elements {

@@ -29,23 +29,36 @@
 mod codes;
 mod counterexample;
 mod decisions;
+mod delivery;
+mod environment;
 mod explore;
 mod final_states;
 mod formula;
 mod inputs;
 mod logic;
+mod machines;
+mod mail;
 mod options;
+mod post;
 mod preparation;
 mod property;
 mod reads;
 mod store;
+mod system;
 mod transition;
+mod translation;
 mod verdicts;
 mod verify;
 
 pub use codes::CODES;
 pub use counterexample::{Run, RunStep, RunUpdate};
+pub use environment::EnvironmentModel;
 pub use explore::{Incomplete, Limits, Progress};
+pub use mail::{ContentValues, MessageModel};
 pub use options::{InputValues, Options};
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
-pub use verify::{Refusal, Verification, VerifiedMachine, verify};
+pub use system::{
+    ConnectedLocation, InputConnection, MachineSchedule, MessageLink, SystemSpecification,
+    VerifiedMachine,
+};
+pub use verify::{Refusal, Verification, verify, verify_system};

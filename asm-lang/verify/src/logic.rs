@@ -5,6 +5,7 @@ use crate::counterexample::NodePath;
 use crate::explore::{Exploration, Truths};
 use crate::formula::{Formula, Operator};
 use crate::property::PropertyKind;
+use crate::transition::FairLabels;
 use asmotion_diagnostics::{Diagnostic, Finding};
 use asmotion_temporal::{
     Bits, Ctl, FairPaths, Fairness, Graph, GraphBuilder, Lasso, Ltl, Recurrent, TemporalError,
@@ -100,11 +101,12 @@ impl Checker {
     pub fn new(
         exploration: &Exploration,
         fairness: &[FairnessFormula],
+        fair_labels: &[FairLabels],
     ) -> Result<Self, LogicError> {
         let mut builder = GraphBuilder::new();
         for node in 0..exploration.nodes() {
-            for target in exploration.successors(node) {
-                builder.edge(*target, 0);
+            for (target, label) in exploration.labelled_successors(node) {
+                builder.edge(target, label);
             }
             builder.end_node();
         }
@@ -122,9 +124,14 @@ impl Checker {
                 Fairness::Compassion(nodes(cause), nodes(effect))
             }
         });
+        let mut fairness: Vec<Fairness> = fairness.collect();
+        fairness.extend(fair_labels.iter().map(|fair| {
+            let taken = graph.edges_with(|label| label == Graph::STUTTER || fair.contains(label));
+            Fairness::Justice(Recurrent::edges(taken))
+        }));
         Ok(Self {
             atoms: atoms.collect(),
-            fairness: fairness.collect(),
+            fairness,
             graph,
         })
     }
@@ -136,12 +143,12 @@ impl Checker {
         } else {
             check_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
         };
-        let path = verdict.violation.as_ref().map(Self::path);
+        let path = verdict.violation.as_ref().map(|it| self.path(it));
         // a formula that holds because some path exists is shown by such a path
         let witness = match (kind, path.is_none() && is_existential(formula)) {
             (PropertyKind::Ctl, true) => {
                 let found = witness_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?;
-                found.map(|it| Self::path(&it))
+                found.map(|it| self.path(&it))
             }
             _ => None,
         };
@@ -162,7 +169,9 @@ impl Checker {
         })
     }
 
-    fn path(lasso: &Lasso) -> NodePath {
+    fn path(&self, lasso: &Lasso) -> NodePath {
+        let steps = lasso.stem.iter().chain(&lasso.cycle);
+        let labels = steps.map(|step| self.graph.label(step.edge));
         let mut nodes: Vec<u32> = vec![lasso.start];
         nodes.extend(lasso.stem.iter().map(|step| step.node));
         let start = nodes.len() - 1;
@@ -174,6 +183,7 @@ impl Checker {
         });
         NodePath {
             nodes,
+            labels: labels.collect(),
             cycle,
             failing: None,
         }

@@ -1,12 +1,15 @@
 //! What is verified, and how far.
 
 use crate::explore::Limits;
+use crate::mail::{ContentValues, MessageModel};
 use asmotion_lang::Value;
 use asmotion_lang::ir::FunctionId;
 
 /// The values of an input, in place of those of its codomain.
 #[derive(Clone, Debug)]
 pub struct InputValues {
+    /// Index of the machine that reads it.
+    pub machine: usize,
     /// The monitored or shared function.
     pub function: FunctionId,
     /// Its possible values, in the order in which they are tried.
@@ -30,4 +33,8 @@ pub struct Options {
     pub ends: Option<String>,
     /// Inputs whose values are given; others have those of their codomains.
     pub inputs: Vec<InputValues>,
+    /// Contents of messages from outside the system that are given; others have all values of their domains.
+    pub contents: Vec<ContentValues>,
+    /// How messages travel.
+    pub messages: MessageModel,
 }

@@ -1,7 +1,7 @@
 //! Properties as formulas: the terms of a specification, and those from outside, become conditions and formulas.
 
 use crate::codes::m003::NoTemporalFormula;
-use crate::codes::m005::ExchangesMessages;
+use crate::codes::m012::SeveralMachines;
 use crate::explore::Conditions;
 use crate::final_states;
 use crate::formula::{Formula, Formulas, Logic};
@@ -9,10 +9,12 @@ use crate::logic::FairnessFormula;
 use crate::options::Options;
 use crate::property::PropertyKind;
 use crate::reads::Reads;
+use crate::system::{InputSources, VerifiedMachine};
 use crate::transition::ConditionTerm;
 use asmotion_diagnostics::{Finding, Sources, Span};
-use asmotion_lang::hir::{Expression, Invariant, PropertyLogic, TemporalProperty};
+use asmotion_lang::hir::{Expression, FunctionId, Invariant, PropertyLogic, TemporalProperty};
 use asmotion_lang::{Diagnostic, Report, Specification};
+use std::collections::BTreeSet;
 
 /// A property that is to be checked.
 pub(crate) struct Property {
@@ -40,61 +42,111 @@ pub(crate) struct Prepared {
     pub ends: Vec<Formula>,
 }
 
-/// Turns the properties of a specification into conditions and formulas, and removes them from it.
+/// Turns the properties of all machines into conditions and formulas, and removes them from the specifications.
+///
+/// # Errors
+/// A property is no formula: the index of the machine, and a report.
 pub(crate) fn prepare(
-    specification: &mut Specification,
+    machines: &mut [VerifiedMachine],
     options: &Options,
-) -> Result<Prepared, Report> {
-    if let Some(message) = asmotion_lang::ir::message_uses(&specification.model).first() {
-        return Err(report_of(ExchangesMessages { at: message.at }.diagnostic()));
+    sources: &InputSources,
+) -> Result<Prepared, (usize, Report)> {
+    let mut declared = Vec::new();
+    for machine in machines.iter_mut() {
+        let model = &mut machine.specification.model;
+        let invariants = std::mem::take(&mut model.invariants);
+        declared.push((invariants, std::mem::take(&mut model.properties)));
     }
-    let invariants = std::mem::take(&mut specification.model.invariants);
-    let declared = std::mem::take(&mut specification.model.properties);
-    specification.lower()?;
-    let machine = specification
-        .machine()
-        .map_err(|fault| report_of(specification.explain(&fault)))?;
-    let given = given(specification, options)?;
-    let mut preparation = Preparation {
-        prepared: Prepared::default(),
-        formulas: Formulas {
-            model: &mut specification.model,
-            machine: &machine,
-            conditions: Vec::new(),
-            places: Vec::new(),
-        },
-        sources: &specification.sources,
-        report: Report::new(),
-    };
-    for invariant in invariants {
-        preparation.invariant(invariant);
+    for (index, machine) in machines.iter_mut().enumerate() {
+        machine.specification.lower().map_err(|it| (index, it))?;
     }
-    for property in &declared {
-        preparation.declared(property);
+    let mut given = given(machines, options)?;
+    let mut prepared = Prepared::default();
+    for (index, (invariants, properties)) in declared.into_iter().enumerate() {
+        let Some(machine) = machines.get_mut(index) else {
+            continue;
+        };
+        let of_machine = given.extract_if(.., |term| term.machine == index);
+        let terms: Vec<GivenTerm> = of_machine.collect();
+        let inputs = sources.get(index).into_iter().flat_map(|it| it.keys());
+        let provided = inputs.map(|id| FunctionId(id.0)).collect();
+        let specification = &mut machine.specification;
+        prepared = prepared
+            .with(
+                index,
+                specification,
+                invariants,
+                &properties,
+                terms,
+                &provided,
+            )
+            .map_err(|report| (index, report))?;
     }
-    for term in given {
-        preparation.given(term);
-    }
-    let Preparation {
-        mut prepared,
-        formulas,
-        report,
-        ..
-    } = preparation;
-    let terms = formulas.conditions.into_iter();
-    prepared.conditions.terms = terms
-        .map(|term| ConditionTerm { machine: 0, term })
-        .collect();
-    prepared.texts = formulas
-        .places
-        .iter()
-        .map(|place| text_of(&specification.sources, *place))
-        .collect();
-    if report.has_errors() {
-        return Err(report.finish());
-    }
-    specification.lower_covered()?;
     Ok(prepared)
+}
+
+impl Prepared {
+    /// Adds the properties of a machine.
+    fn with(
+        self,
+        index: usize,
+        specification: &mut Specification,
+        invariants: Vec<Invariant>,
+        declared: &[TemporalProperty],
+        given: Vec<GivenTerm>,
+        provided: &BTreeSet<FunctionId>,
+    ) -> Result<Self, Report> {
+        let machine = specification
+            .machine()
+            .map_err(|fault| report_of(specification.explain(&fault)))?;
+        let first_condition = self.conditions.terms.len();
+        let mut preparation = Preparation {
+            index,
+            provided,
+            prepared: self,
+            formulas: Formulas {
+                model: &mut specification.model,
+                machine: &machine,
+                first_condition,
+                conditions: Vec::new(),
+                places: Vec::new(),
+            },
+            sources: &specification.sources,
+            report: Report::new(),
+        };
+        for invariant in invariants {
+            preparation.invariant(invariant);
+        }
+        for property in declared {
+            preparation.declared(property);
+        }
+        for term in given {
+            preparation.given(term);
+        }
+        let Preparation {
+            mut prepared,
+            formulas,
+            report,
+            ..
+        } = preparation;
+        let terms = formulas.conditions.into_iter();
+        prepared
+            .conditions
+            .terms
+            .extend(terms.map(|term| ConditionTerm {
+                machine: index,
+                term,
+            }));
+        let places = formulas.places.iter();
+        prepared
+            .texts
+            .extend(places.map(|place| text_of(&specification.sources, *place)));
+        if report.has_errors() {
+            return Err(report.finish());
+        }
+        specification.lower_covered()?;
+        Ok(prepared)
+    }
 }
 
 /// Returns the text of a place on one line.
@@ -114,50 +166,138 @@ enum GivenUse {
 
 /// A term from outside, resolved.
 struct GivenTerm {
+    /// Index of the machine in whose specification it is resolved.
+    machine: usize,
     usage: GivenUse,
     text: String,
     term: Expression,
 }
 
-/// Resolves the terms from outside.
-fn given(specification: &mut Specification, options: &Options) -> Result<Vec<GivenTerm>, Report> {
-    let properties = options.properties.iter();
-    let properties = properties.map(|text| (GivenUse::Property, text));
-    let possible = options
-        .possible
-        .iter()
-        .map(|text| (GivenUse::Possible, text));
-    let properties = properties.chain(possible);
-    let assumptions = options.assumptions.iter();
-    let assumptions = assumptions.map(|text| (GivenUse::Assumption, text));
-    let declared = final_states::condition(specification);
-    let ends = options.ends.iter().chain(&declared);
-    let ends = ends.map(|text| (GivenUse::Ends, text));
-    let mut report = Report::new();
+/// Resolves the terms from outside. In a system of several machines, a term belongs to the machine that it names, as in
+/// `courier.mode = ASKING`, or else to the first one in which it can be resolved.
+fn given(
+    machines: &mut [VerifiedMachine],
+    options: &Options,
+) -> Result<Vec<GivenTerm>, (usize, Report)> {
+    let with = |usage: GivenUse, texts: &[String]| -> Vec<(GivenUse, String)> {
+        texts.iter().map(|text| (usage, text.clone())).collect()
+    };
+    let mut all = with(GivenUse::Property, &options.properties);
+    all.extend(with(GivenUse::Possible, &options.possible));
+    all.extend(with(GivenUse::Assumption, &options.assumptions));
+    let ends: Vec<String> = options.ends.iter().cloned().collect();
+    all.extend(with(GivenUse::Ends, &ends));
+    let names: Vec<String> = machines.iter().map(|it| it.name.clone()).collect();
     let mut resolved = Vec::new();
-    for (usage, text) in properties.chain(assumptions).chain(ends) {
-        let file = specification.sources.add("<property>", text.as_str());
-        let added = asmotion_lang::syntax::parse_term(file, text)
-            .and_then(|term| specification.model.add_condition(&term, "a property"));
-        match added {
-            Ok(_) => {
-                if let Some(term) = specification.model.added.terms.pop() {
-                    let text = text.clone();
-                    resolved.push(GivenTerm { usage, text, term });
-                }
-            }
-            Err(problems) => report.extend(problems),
+    for (usage, text) in all {
+        resolved.push(resolve(machines, &names, usage, text)?);
+    }
+    for (index, machine) in machines.iter_mut().enumerate() {
+        if let Some(text) = final_states::condition(&machine.specification) {
+            let term = add(&mut machine.specification, &text).map_err(|it| (index, it))?;
+            resolved.push(GivenTerm {
+                machine: index,
+                usage: GivenUse::Ends,
+                text,
+                term,
+            });
         }
     }
-    if report.has_errors() {
-        Err(report.finish())
+    Ok(resolved)
+}
+
+/// Resolves a term in the machine that it belongs to.
+fn resolve(
+    machines: &mut [VerifiedMachine],
+    names: &[String],
+    usage: GivenUse,
+    text: String,
+) -> Result<GivenTerm, (usize, Report)> {
+    let named = if names.len() > 1 {
+        qualifiers(&text, names)
     } else {
-        Ok(resolved)
+        Vec::new()
+    };
+    let candidates: Vec<usize> = match named.as_slice() {
+        [] => (0..machines.len()).collect(),
+        [only] => vec![*only],
+        [first, ..] => {
+            let report = report_of(SeveralMachines { text }.diagnostic());
+            return Err((*first, report));
+        }
+    };
+    let mut problem = None;
+    for index in candidates {
+        let Some(machine) = machines.get_mut(index) else {
+            continue;
+        };
+        let own = match names.get(index) {
+            Some(name) if !named.is_empty() => unqualified(&text, name),
+            Some(_) | None => text.clone(),
+        };
+        match add(&mut machine.specification, &own) {
+            Ok(term) => {
+                return Ok(GivenTerm {
+                    machine: index,
+                    usage,
+                    text,
+                    term,
+                });
+            }
+            Err(report) => problem = problem.or(Some((index, report))),
+        }
     }
+    Err(problem.unwrap_or_default())
+}
+
+/// Adds a term to a specification and resolves it.
+fn add(specification: &mut Specification, text: &str) -> Result<Expression, Report> {
+    let file = specification.sources.add("<property>", text);
+    let term = asmotion_lang::syntax::parse_term(file, text)?;
+    specification.model.add_condition(&term, "a property")?;
+    let added = specification.model.added.terms.pop();
+    added.ok_or_else(Report::new)
+}
+
+/// Returns the machines that a term names, in order of their indices.
+fn qualifiers(text: &str, names: &[String]) -> Vec<usize> {
+    let is_named = |name: &String| places_of(text, name).next().is_some();
+    let named = names.iter().enumerate().filter(|(_, name)| is_named(name));
+    named.map(|(index, _)| index).collect()
+}
+
+/// Removes the name of a machine before its functions.
+fn unqualified(text: &str, name: &str) -> String {
+    let mut rest = String::new();
+    let mut end = 0;
+    for place in places_of(text, name) {
+        rest.push_str(text.get(end..place).unwrap_or_default());
+        end = place + name.len() + 1;
+    }
+    rest.push_str(text.get(end..).unwrap_or_default());
+    rest
+}
+
+/// Returns the places of `NAME.` before a function.
+fn places_of<'t>(text: &'t str, name: &'t str) -> impl Iterator<Item = usize> + 't {
+    let is_word = |sign: char| sign.is_alphanumeric() || sign == '_' || sign == '$';
+    let places = text.match_indices(name).map(|(place, _)| place);
+    places.filter(move |place| {
+        let before = text.get(..*place).and_then(|it| it.chars().next_back());
+        let after = text.get(place + name.len()..).unwrap_or_default();
+        let mut after = after.chars();
+        !before.is_some_and(|it| is_word(it) || it == '.')
+            && after.next() == Some('.')
+            && after.next().is_some_and(|sign| sign.is_alphabetic())
+    })
 }
 
 /// The translation of all properties.
 struct Preparation<'a> {
+    /// Index of the machine.
+    index: usize,
+    /// Monitored functions that another machine updates.
+    provided: &'a BTreeSet<FunctionId>,
     prepared: Prepared,
     formulas: Formulas<'a>,
     sources: &'a Sources,
@@ -173,7 +313,7 @@ impl Preparation<'_> {
     fn invariant(&mut self, invariant: Invariant) {
         let root = invariant.condition.root;
         let text = self.text(root.span);
-        let reads = Reads::of(self.formulas.model, &root);
+        let reads = Reads::of(self.formulas.model, &root, self.provided);
         let place = invariant.span;
         let antecedents = self.formulas.antecedents(&root);
         let formula = self.formulas.condition(root, invariant.condition.variables);
@@ -184,7 +324,7 @@ impl Preparation<'_> {
         let name = (*invariant.name != *text).then(|| invariant.name.to_string());
         self.prepared.properties.push(Property {
             kind: PropertyKind::Invariant,
-            machine: 0,
+            machine: self.index,
             name,
             text,
             place: Some(place),
@@ -295,7 +435,7 @@ impl Preparation<'_> {
             let antecedents = self.formulas.antecedents(&term.root);
             self.prepared.properties.push(Property {
                 kind,
-                machine: 0,
+                machine: self.index,
                 name,
                 text,
                 place,

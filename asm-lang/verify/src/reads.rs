@@ -13,13 +13,20 @@ pub(crate) struct Reads {
 }
 
 impl Reads {
-    pub fn of(model: &Model, term: &Term) -> Self {
+    /// Examines a term. `provided` are monitored functions that another machine updates.
+    pub fn of(model: &Model, term: &Term, provided: &BTreeSet<FunctionId>) -> Self {
         let mut reads = Self::default();
-        reads.add(model, term, &mut BTreeSet::new());
+        reads.add(model, term, provided, &mut BTreeSet::new());
         reads
     }
 
-    fn add(&mut self, model: &Model, term: &Term, seen: &mut BTreeSet<FunctionId>) {
+    fn add(
+        &mut self,
+        model: &Model,
+        term: &Term,
+        provided: &BTreeSet<FunctionId>,
+        seen: &mut BTreeSet<FunctionId>,
+    ) {
         let mut applied = Vec::new();
         asmotion_lang::ir::visit_terms(term, &mut |part| applied.extend(part.kind.function()));
         for id in applied {
@@ -27,6 +34,7 @@ impl Reads {
                 continue;
             };
             match function.kind {
+                FunctionKind::Monitored if provided.contains(&id) => self.state = true,
                 FunctionKind::Monitored => self.inputs = true,
                 FunctionKind::Shared => (self.inputs, self.state) = (true, true),
                 FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Local => {
@@ -37,7 +45,7 @@ impl Reads {
             if let Meaning::Defined(body) = &function.meaning
                 && seen.insert(id)
             {
-                self.add(model, &body.root, seen);
+                self.add(model, &body.root, provided, seen);
             }
         }
     }

@@ -61,7 +61,11 @@ pub(crate) fn verdicts<S: TransitionSystem>(
 ) -> Result<Vec<CheckedProperty>, LogicError> {
     let exploration = replay.exploration;
     let checker = if prepared.needs_graph() && exploration.incomplete.is_none() {
-        Some(Checker::new(exploration, &prepared.fairness)?)
+        Some(Checker::new(
+            exploration,
+            &prepared.fairness,
+            &replay.system.fairness(),
+        )?)
     } else {
         None
     };
@@ -167,7 +171,7 @@ impl<S: TransitionSystem> Judge<'_, S> {
         logic::visit_conditions(&property.formula, &mut |index| {
             if let Some(fault) = exploration.failed_terms.get(&index) {
                 let machine = self.replay.machines.get(fault.machine);
-                let diagnostic = machine.map(|it| it.specification.explain(&fault.fault));
+                let diagnostic = machine.map(|it| fault.diagnostic(&it.specification, None));
                 notes.extend(diagnostic.map(|it| Note::Fails(Box::new(it))));
             } else {
                 undefined += exploration.undefined.get(index).copied().unwrap_or(0);
@@ -195,6 +199,7 @@ impl<S: TransitionSystem> Judge<'_, S> {
         let mut runs = faults.map(|found| {
             self.replay.run(&NodePath {
                 nodes: exploration.path(found.node),
+                labels: Vec::new(),
                 cycle: None,
                 failing: Some(found.decisions.clone()),
             })

@@ -5,15 +5,19 @@ use crate::codes::m002::TooManyAlternatives;
 use crate::codes::m006::NothingAssumed;
 use crate::codes::main_rule;
 use crate::counterexample::Replay;
+use crate::environment::EnvironmentModel;
 use crate::explore::{ExplorationError, Explorer, Incomplete, Progress};
 use crate::inputs::InputRanges;
+use crate::machines::{MachineSystem, SystemPlan};
+use crate::mail::MessagePlan;
 use crate::options::{InputValues, Options};
-use crate::preparation::{prepare, report_of};
+use crate::preparation::{Prepared, prepare, report_of};
 use crate::property::CheckedProperty;
-use crate::transition::SingleMachine;
+use crate::system::{SystemSpecification, VerifiedMachine};
+use crate::transition::{SingleMachine, TransitionSystem};
 use crate::verdicts::verdicts;
 use asmotion_diagnostics::Finding;
-use asmotion_lang::{Diagnostic, Machine, Report, Specification};
+use asmotion_lang::{Machine, Report, Specification};
 
 /// The result of a verification.
 #[derive(Debug)]
@@ -36,15 +40,6 @@ pub struct Verification {
     pub incomplete: Option<Incomplete>,
 }
 
-/// A machine of a system.
-#[derive(Debug)]
-pub struct VerifiedMachine {
-    /// Name of the machine in the system; that of the specification if there is only one.
-    pub name: String,
-    /// Its specification, without the properties and with additions.
-    pub specification: Specification,
-}
-
 /// The reason for which a specification cannot be verified.
 #[derive(Debug)]
 pub struct Refusal {
@@ -59,81 +54,205 @@ pub struct Refusal {
 /// # Errors
 /// The initial state cannot be computed, a property is no formula, or an input has too many values.
 pub fn verify(
-    mut specification: Specification,
+    specification: Specification,
     options: &Options,
     proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Verification, Refusal> {
-    let prepared = match prepare(&mut specification, options) {
+    verify_system(SystemSpecification::of(specification), options, proceed)
+}
+
+/// Verifies machines together, with their environment. Inputs and partners that are not connected read the functions and are the
+/// machines of the same names; see [the guide](https://docs.rs/asmotion) for the rule.
+///
+/// # Errors
+/// As [`verify`], or the machines do not fit together.
+pub fn verify_system(
+    mut system: SystemSpecification,
+    options: &Options,
+    proceed: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Verification, Refusal> {
+    let prepared = match PreparedSystem::of(&mut system, options) {
         Ok(prepared) => prepared,
-        Err(report) => return Err(refusal(specification, report)),
+        Err((machine, report)) => return Err(refusal(system.machines, machine, report)),
     };
-    let machine = match specification.machine() {
-        Ok(machine) => machine,
-        Err(fault) => {
-            let diagnostic = specification.explain(&fault);
-            return Err(refusal(specification, report_of(diagnostic)));
-        }
-    };
-    let mut ranges = InputRanges::of_program(&machine);
-    let mut assumptions = prepared.assumptions.clone();
-    for input in &options.inputs {
-        ranges.set(input.function, input.values.clone());
-        assumptions.push(restriction(&machine, input));
-    }
-    let keeps_edges = prepared.needs_graph();
-    let system = SingleMachine {
-        machine,
-        ranges: &ranges,
-    };
-    let explorer = Explorer::new(
-        system.clone(),
-        &prepared.conditions,
-        options.limits,
-        keeps_edges,
-    );
-    let exploration = match explorer.run(proceed) {
-        Ok(exploration) => exploration,
-        Err(error) => {
-            let diagnostic = explain(&specification, &system.machine, error);
-            return Err(refusal(specification, report_of(diagnostic)));
-        }
-    };
-    if exploration.initial == 0 {
-        let finding = NothingAssumed {
-            assumptions: prepared.assumptions,
-            at: main_rule(&specification),
-        };
-        return Err(refusal(specification, report_of(finding.diagnostic())));
-    }
-    let machines = [VerifiedMachine {
-        name: specification.model.name.to_string(),
-        specification,
-    }];
-    let replay = Replay {
-        machines: &machines,
-        exploration: &exploration,
-        system: &system,
-    };
-    let checked = verdicts(&prepared, &replay, &options.only);
-    let [verified] = machines;
-    let properties = match checked {
-        Ok(properties) => properties,
-        Err(error) => {
-            let diagnostic = error.diagnostic();
-            return Err(refusal(verified.specification, report_of(diagnostic)));
-        }
-    };
-    let (states, depth) = (exploration.states.len() as u64, exploration.depth());
-    Ok(Verification {
-        machines: vec![verified],
+    let PreparedSystem {
         properties,
-        states,
-        transitions: exploration.transitions,
-        excluded: exploration.excluded,
+        plan,
+        machines,
         assumptions,
-        depth,
-        incomplete: exploration.incomplete,
-    })
+    } = prepared;
+    let exploring = Exploring {
+        known: &system.machines,
+        properties: &properties,
+        options,
+    };
+    let is_single = machines.len() == 1 && plan.is_plain();
+    let explored = match (machines.as_slice(), plan.ranges.first()) {
+        ([machine], Some(ranges)) if is_single => {
+            let machine = machine.clone();
+            exploring.run(SingleMachine { machine, ranges }, proceed)
+        }
+        _ => exploring.run(MachineSystem::new(&plan, machines), proceed),
+    };
+    match explored {
+        Ok(explored) => Ok(Verification {
+            machines: system.machines,
+            assumptions,
+            ..explored
+        }),
+        Err((machine, report)) => Err(refusal(system.machines, machine, report)),
+    }
+}
+
+/// A system that is ready to be explored.
+struct PreparedSystem {
+    properties: Prepared,
+    plan: SystemPlan,
+    machines: Vec<Machine>,
+    /// Texts of the assumptions.
+    assumptions: Vec<String>,
+}
+
+impl PreparedSystem {
+    /// Connects the machines, takes the properties out of their specifications, and determines the values of inputs.
+    fn of(system: &mut SystemSpecification, options: &Options) -> Result<Self, (usize, Report)> {
+        let mut plan = SystemPlan {
+            schedule: system.schedule,
+            ..SystemPlan::default()
+        };
+        match std::mem::take(&mut system.environment) {
+            EnvironmentModel::Free => {}
+            EnvironmentModel::Hold { changes } => plan.changes = Some(changes),
+            EnvironmentModel::Script(script) => plan.script = Some(script),
+            EnvironmentModel::Specification(specification) => {
+                plan.environment = Some(system.machines.len());
+                system.machines.push(VerifiedMachine::of(*specification));
+            }
+        }
+        system.connect_by_name()?;
+        if let Some(environment) = plan.environment {
+            let checked = system.check_environment(environment);
+            checked.map_err(|report| (environment, report))?;
+        }
+        plan.sources = system.input_sources()?;
+        let properties = prepare(&mut system.machines, options, &plan.sources)?;
+        let mut machines = Vec::new();
+        for (index, known) in system.machines.iter().enumerate() {
+            let machine = known.specification.machine();
+            let machine =
+                machine.map_err(|fault| (index, report_of(known.specification.explain(&fault))))?;
+            plan.ranges.push(InputRanges::of_program(&machine));
+            plan.names.push(known.name.clone());
+            machines.push(machine);
+        }
+        let mut assumptions = properties.assumptions.clone();
+        for input in &options.inputs {
+            if let (Some(ranges), Some(machine)) = (
+                plan.ranges.get_mut(input.machine),
+                machines.get(input.machine),
+            ) {
+                ranges.set(input.function, input.values.clone());
+                assumptions.push(restriction(machine, input));
+            }
+        }
+        if plan.environment.is_some() {
+            let free = system.free_inputs();
+            if !free.is_empty() {
+                assumptions.push(format!("any value of {}", free.join(", ")));
+            }
+        }
+        plan.messages = MessagePlan::of(system, &machines, options.messages, &options.contents)?;
+        Ok(Self {
+            properties,
+            plan,
+            machines,
+            assumptions,
+        })
+    }
+}
+
+/// What an exploration is about.
+struct Exploring<'a> {
+    known: &'a [VerifiedMachine],
+    properties: &'a Prepared,
+    options: &'a Options,
+}
+
+impl Exploring<'_> {
+    /// Explores a system and checks the properties.
+    fn run<S: TransitionSystem>(
+        &self,
+        system: S,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Verification, (usize, Report)> {
+        let explorer = Explorer::new(
+            system.clone(),
+            &self.properties.conditions,
+            self.options.limits,
+            self.properties.needs_graph(),
+        );
+        let exploration = explorer
+            .run(proceed)
+            .map_err(|error| self.explain(&system, &error))?;
+        if exploration.initial == 0 {
+            let finding = NothingAssumed {
+                assumptions: self.properties.assumptions.clone(),
+                at: self
+                    .known
+                    .first()
+                    .map(|it| main_rule(&it.specification))
+                    .unwrap_or_default(),
+            };
+            return Err((0, report_of(finding.diagnostic())));
+        }
+        let replay = Replay {
+            machines: self.known,
+            exploration: &exploration,
+            system: &system,
+        };
+        let properties = verdicts(self.properties, &replay, &self.options.only)
+            .map_err(|error| (0, report_of(error.diagnostic())))?;
+        let (states, depth) = (exploration.states.len() as u64, exploration.depth());
+        Ok(Verification {
+            machines: Vec::new(),
+            properties,
+            states,
+            transitions: exploration.transitions,
+            excluded: exploration.excluded,
+            assumptions: Vec::new(),
+            depth,
+            incomplete: exploration.incomplete,
+        })
+    }
+
+    fn explain<S: TransitionSystem>(
+        &self,
+        system: &S,
+        error: &ExplorationError,
+    ) -> (usize, Report) {
+        let (index, fault) = match error {
+            ExplorationError::Input(fault) | ExplorationError::Initial(fault) => {
+                (fault.machine, Some(fault))
+            }
+            ExplorationError::Alternatives => (0, None),
+        };
+        let Some(known) = self.known.get(index) else {
+            return (index, Report::new());
+        };
+        let specification = &known.specification;
+        let diagnostic = match (error, fault, system.machines().get(index)) {
+            (ExplorationError::Input(_), Some(fault), Some(machine))
+                if fault.is_of_unbounded_input() =>
+            {
+                fault
+                    .step()
+                    .map(|fault| InputWithoutRange::of(specification, machine, fault).diagnostic())
+            }
+            (_, Some(fault), _) => Some(fault.diagnostic(specification, None)),
+            (_, None, _) => Some(TooManyAlternatives::of(specification).diagnostic()),
+        };
+        (index, diagnostic.map(report_of).unwrap_or_default())
+    }
 }
 
 /// Describes the values of an input.
@@ -153,23 +272,10 @@ fn restriction(machine: &Machine, input: &InputValues) -> String {
     )
 }
 
-fn refusal(specification: Specification, report: Report) -> Refusal {
+fn refusal(mut machines: Vec<VerifiedMachine>, machine: usize, report: Report) -> Refusal {
+    let machine = machine.min(machines.len().saturating_sub(1));
     Refusal {
-        specification: Box::new(specification),
+        specification: Box::new(machines.swap_remove(machine).specification),
         report,
-    }
-}
-
-fn explain(
-    specification: &Specification,
-    machine: &Machine,
-    error: ExplorationError,
-) -> Diagnostic {
-    match error {
-        ExplorationError::Input(fault) => {
-            InputWithoutRange::of(specification, machine, &fault.fault).diagnostic()
-        }
-        ExplorationError::Alternatives => TooManyAlternatives::of(specification).diagnostic(),
-        ExplorationError::Initial(fault) => specification.explain(&fault.fault),
     }
 }

@@ -30,7 +30,9 @@ fn codes_have_examples_that_are_true() {
     for code in CODES {
         let (wrong, corrected) = (code.example("asm wrong"), code.example("asm corrected"));
         let (Some(wrong), Some(corrected)) = (wrong, corrected) else {
-            assert_eq!(code.name, "M004", "{} has no example", code.name);
+            // about large formulas, several files, or options
+            let others = ["M004", "M007", "M008", "M009", "M010", "M011", "M012"];
+            assert!(others.contains(&code.name), "{} has no example", code.name);
             continue;
         };
         assert_eq!(refused(wrong, &Options::default()), [code.name]);

@@ -8,12 +8,14 @@
 
 mod bad_input;
 mod counts;
+mod environments;
 mod models;
 mod naive;
 mod runs;
+mod systems;
 
 use asmotion_lang::{MemoryFiles, Specification};
-use asmotion_verify::{Options, Verification, verify};
+use asmotion_verify::{Options, SystemSpecification, Verification, verify, verify_system};
 
 /// Opens a specification from its text.
 fn open(text: &str) -> Specification {
@@ -51,4 +53,34 @@ fn verdicts(verification: &Verification) -> Vec<(String, &'static str)> {
         )
     });
     named.collect()
+}
+
+/// Opens a specification with a name.
+fn machine(name: &str, text: &str) -> asmotion_verify::VerifiedMachine {
+    asmotion_verify::VerifiedMachine {
+        name: name.to_owned(),
+        specification: open(text),
+    }
+}
+
+fn verified_system(system: SystemSpecification, options: &Options) -> Verification {
+    match verify_system(system, options, &mut |_| true) {
+        Ok(verification) => verification,
+        Err(refusal) => panic!("{}", refused(&refusal)),
+    }
+}
+
+/// The diagnostics of a refusal, rendered.
+fn refused(refusal: &asmotion_verify::Refusal) -> String {
+    let (report, sources) = (&refusal.report, &refusal.specification.sources);
+    asmotion_lang::render_all(report, sources, asmotion_lang::Style::Plain)
+}
+
+/// The verdict on a property, given by its name or text.
+fn verdict_of(verification: &Verification, property: &str) -> &'static str {
+    let verdicts = verdicts(verification);
+    let found = verdicts.iter().find(|(name, _)| name == property);
+    found
+        .unwrap_or_else(|| panic!("{property}: {verdicts:?}"))
+        .1
 }

@@ -54,6 +54,7 @@ pub fn input_values(
         values.push(value.map_err(|it| fault(specification, &it))?);
     }
     Ok(InputValues {
+        machine: 0,
         function: function_id,
         values,
     })

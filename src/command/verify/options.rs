@@ -37,6 +37,7 @@ impl Verify {
             assumptions: self.assume.clone(),
             ends: self.end.clone(),
             inputs: Vec::new(),
+            ..Options::default()
         };
         for values in &self.values {
             match input_values(specification, values) {

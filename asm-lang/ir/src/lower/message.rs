@@ -25,6 +25,8 @@ pub struct MessageUse<'a> {
     pub data: Option<&'a Term>,
     /// The location that receives the reply, if any.
     pub reply: Option<&'a Term>,
+    /// `true` if the rule sends a reply.
+    pub is_reply: bool,
 }
 
 /// The side of a communication that a message rule is on.
@@ -79,6 +81,7 @@ fn message_use<'a>(rule: &str, arguments: &'a [Term]) -> Option<MessageUse<'a>> 
         at: operation.span,
         data,
         reply,
+        is_reply: matches!(rule, "r_wreply" | "r_wreplay"),
     })
 }
 

@@ -1,61 +1,71 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Specification that exchanges messages
+/// Message whose content cannot be enumerated
 ///
-/// A specification with messages of `CommonBehavior` depends on the behaviour of its partners, which is not known. Such
-/// specifications cannot be verified yet. A model of the answers as monitored functions can be.
+/// A specification that exchanges messages is verified with every reply of a partner that is not part of the system, and with every
+/// request of a client that is not part of it. The data of `Integer`, `Real`, `String` or an undeclared operation cannot be
+/// enumerated.
 ///
 /// ```asm wrong
 /// asm example
 /// import StandardLibrary
 /// import CommonBehavior
 /// signature:
-///   enum domain Mode = {READY | ASKED}
 ///   domain Robot subsetof Agent
 ///   domain Planner subsetof Agent
 ///   static robot: Robot
 ///   static planner: Planner
-///   controlled mode: Mode
+///   out plan: Prod(Planner, Integer) -> Integer
+///   controlled length: Integer
 /// definitions:
-///   rule r_robot = if mode = READY then par r_wsend[planner, "plan", 1] mode := ASKED endpar endif
+///   rule r_robot = r_wcall[planner, "plan", 1, 500, length]
 ///   main rule r_Main = program(robot)
 /// default init s0:
-///   function mode = READY
 ///   agent Robot: r_robot[]
 /// ```
 ///
-/// Corrected:
+/// Declare a finite codomain of the operation:
 ///
 /// ```asm corrected
 /// asm example
 /// import StandardLibrary
+/// import CommonBehavior
 /// signature:
-///   enum domain Mode = {READY | ASKED}
-///   enum domain Answer = {NONE | PLAN | FAILURE}
-///   monitored answer: Answer
-///   out asks: Boolean
-///   controlled mode: Mode
+///   domain Robot subsetof Agent
+///   domain Planner subsetof Agent
+///   domain Length subsetof Integer
+///   static robot: Robot
+///   static planner: Planner
+///   out plan: Prod(Planner, Integer) -> Length
+///   controlled length: Length
 /// definitions:
-///   main rule r_Main =
-///     if mode = READY then
-///       par mode := ASKED asks := true endpar
-///     else if answer != NONE then
-///       par mode := READY asks := false endpar
-///     endif endif
+///   domain Length = {0:3}
+///   rule r_robot = r_wcall[planner, "plan", 1, 500, length]
+///   main rule r_Main = program(robot)
 /// default init s0:
-///   function mode = READY
+///   agent Robot: r_robot[]
 /// ```
+///
+/// Or verify the partner as well, `asmotion verify robot.asm planner.asm`, or select values for one verification:
+/// `--values planner.plan=0,1` for replies, `--values job=0,1` for requests.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(M005, error)]
-#[error("a specification that exchanges messages cannot be verified")]
-pub(crate) struct ExchangesMessages {
+#[error("the {content} of `{operation}` cannot be enumerated")]
+pub(crate) struct UnknownContent {
+    /// `replies` or `requests`.
+    pub content: &'static str,
+    /// The operation, with the partner for a reply.
+    pub operation: String,
     pub at: Span,
 }
 
-impl Finding for ExchangesMessages {
+impl Finding for UnknownContent {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "the answers to this are not known")
-            .help("model the partner with monitored and out functions")
+            .label(self.at, "exchanged here")
+            .help(format!(
+                "verify the partner together with this specification, declare a finite domain, or select values with `--values {}=…`",
+                self.operation
+            ))
     }
 }

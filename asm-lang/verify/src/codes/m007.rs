@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Input that several machines provide
+///
+/// In a system of several specifications, an input reads the function with its name of the other machine that has one. If several
+/// machines have such a function, it is not known which one is meant.
+///
+/// ```text wrong
+/// asmotion verify left.asm right.asm watch.asm
+///
+/// // left.asm and right.asm                    // watch.asm
+/// signature:                                   signature:
+///   out isOpen: Boolean                          monitored isOpen: Boolean
+/// ```
+///
+/// An input with a parameter reads the machine of this name, and a machine has another name with `NAME=FILE`:
+///
+/// ```text corrected
+/// asmotion verify LEFT=left.asm RIGHT=right.asm watch.asm
+///
+/// // left.asm and right.asm                    // watch.asm
+/// signature:                                   signature:
+///   out isOpen: Boolean                          enum domain Door = {LEFT | RIGHT}
+///                                                monitored isOpen: Door -> Boolean
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(M007, error)]
+#[error("several machines provide `{function}`: `{}`", machines.join("`, `"))]
+pub(crate) struct AmbiguousConnection {
+    pub function: String,
+    pub machines: Vec<String>,
+    pub at: Span,
+}
+
+impl Finding for AmbiguousConnection {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let function = &self.function;
+        diagnostic
+            .label(self.at, "an input without an argument that names the machine")
+            .help(format!(
+                "declare `{function}` with a parameter whose values are the names of the machines, or rename a function"
+            ))
+    }
+}

@@ -1,0 +1,250 @@
+//! Systems of several machines: what they read from each other, and messages.
+
+use crate::{machine, verdict_of, verified_system};
+use asmotion_verify::{MachineSchedule, MessageModel, Options, SystemSpecification, Verdict};
+
+/// A machine that passes a token on: it has it if the other one has the other parity.
+fn passer(own: &str, other: &str, condition: &str) -> String {
+    format!(
+        "asm {own}
+import StandardLibrary
+import CTLLibrary
+signature:
+  monitored {other}: Boolean
+  controlled {own}: Boolean
+definitions:
+  CTLSPEC again{own}: ag(af({own}))
+  main rule r_Main = if {condition} then {own} := not {own} endif
+default init s0:
+  function {own} = false
+"
+    )
+}
+
+fn ring() -> SystemSpecification {
+    SystemSpecification {
+        machines: vec![
+            machine("first", &passer("one", "two", "one = two")),
+            machine("second", &passer("two", "one", "one != two")),
+        ],
+        ..SystemSpecification::default()
+    }
+}
+
+#[test]
+fn machines_read_each_other() {
+    let verification = verified_system(ring(), &Options::default());
+    assert_eq!(verification.states, 4);
+    assert_eq!(verdict_of(&verification, "no state is stuck"), "holds");
+    // each machine makes a step again and again
+    assert_eq!(verdict_of(&verification, "againone"), "holds");
+    assert_eq!(verdict_of(&verification, "againtwo"), "holds");
+    let synchronous = SystemSpecification {
+        schedule: MachineSchedule::Synchronous,
+        ..ring()
+    };
+    let verification = verified_system(synchronous, &Options::default());
+    assert_eq!(verification.states, 4);
+}
+
+#[test]
+fn synchronous_machines_read_the_state_before_the_step() {
+    let swap = |own: &str, other: &str, value: &str| {
+        format!(
+            "asm {own}
+import StandardLibrary
+signature:
+  monitored {other}: Boolean
+  controlled {own}: Boolean
+definitions:
+  main rule r_Main = {own} := {other}
+default init s0:
+  function {own} = {value}
+"
+        )
+    };
+    let system = |schedule| SystemSpecification {
+        machines: vec![
+            machine("left", &swap("a", "b", "true")),
+            machine("right", &swap("b", "a", "false")),
+        ],
+        schedule,
+        ..SystemSpecification::default()
+    };
+    let options = Options {
+        possible: vec!["left.a".to_owned(), "a".to_owned(), "right.b".to_owned()],
+        ..Options::default()
+    };
+    let swapped = verified_system(system(MachineSchedule::Synchronous), &options);
+    assert_eq!(swapped.states, 2);
+    // one after the other, they agree after the first step
+    let agreed = verified_system(system(MachineSchedule::Interleaved), &options);
+    assert_eq!(agreed.states, 3);
+    assert_eq!(verdict_of(&agreed, "no state is stuck"), "violated");
+}
+
+const CLIENT: &str = "asm client
+import StandardLibrary
+import CommonBehavior
+import CTLLibrary
+signature:
+  enum domain Mode = {ASKING | DONE}
+  domain Number subsetof Integer
+  domain Server subsetof Agent
+  static server: Server
+  out increment: Prod(Server, Number) -> Number
+  controlled mode: Mode
+  controlled number: Number
+  controlled reply: Number
+definitions:
+  domain Number = {0:3}
+  CTLSPEC answered: ag(mode = ASKING implies af(mode = DONE))
+  CTLSPEC canAnswer: ag(mode = ASKING implies ef(mode = DONE))
+  main rule r_Main =
+    if mode = ASKING then par
+      r_wcall[server, \"increment\", number, DEADLINE, reply]
+      if isDef(reply) then par mode := DONE number := reply reply := undef endpar endif
+      if isDef(callFault(self, \"increment\")) then r_wcancel[server, \"increment\"] endif
+    endpar else mode := ASKING endif
+default init s0:
+  function mode = ASKING
+  function number = 0
+";
+
+const SERVER: &str = "asm server
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Server subsetof Agent
+  out increment: Prod(Server, Number) -> Number
+  //@Backref
+  shared client: Agent -> Agent
+  controlled asked: Number
+definitions:
+  domain Number = {0:3}
+  main rule r_Main =
+    if nextRequest(self) = \"increment\" then seq
+      r_wreceive[client(self), \"increment\", asked]
+      r_wreply[client(self), \"increment\", (asked + 1) mod 4]
+    endseq endif
+";
+
+fn service(deadline: u32) -> SystemSpecification {
+    let client = CLIENT.replace("DEADLINE", &deadline.to_string());
+    SystemSpecification {
+        machines: vec![machine("client", &client), machine("server", SERVER)],
+        ..SystemSpecification::default()
+    }
+}
+
+fn messages(is_lossy: bool, is_delayed: bool) -> Options {
+    Options {
+        messages: MessageModel {
+            is_lossy,
+            is_delayed,
+            mailbox: 2,
+        },
+        possible: vec!["number = 3".to_owned()],
+        ..Options::default()
+    }
+}
+
+#[test]
+fn calls_are_answered_unless_messages_are_lost() {
+    let reliable = verified_system(service(0), &messages(false, false));
+    assert_eq!(verdict_of(&reliable, "answered"), "holds");
+    assert_eq!(verdict_of(&reliable, "no step fails"), "holds");
+    assert_eq!(verdict_of(&reliable, "no state is stuck"), "holds");
+    assert_eq!(verdict_of(&reliable, "number = 3"), "holds");
+    let delayed = verified_system(service(0), &messages(false, true));
+    assert_eq!(verdict_of(&delayed, "no state is stuck"), "holds");
+    // every message arrives at some time
+    assert_eq!(verdict_of(&delayed, "answered"), "holds");
+    // without a deadline, the client waits for ever for a lost message
+    let lossy = verified_system(service(0), &messages(true, false));
+    assert_eq!(verdict_of(&lossy, "answered"), "violated");
+    assert_eq!(verdict_of(&lossy, "canAnswer"), "violated");
+    assert_eq!(verdict_of(&lossy, "no state is stuck"), "violated");
+    // with one, it asks again
+    let patient = verified_system(service(500), &messages(true, false));
+    assert_eq!(verdict_of(&patient, "canAnswer"), "holds");
+    assert_eq!(verdict_of(&patient, "no state is stuck"), "holds");
+}
+
+#[test]
+fn a_full_mailbox_is_a_fault() {
+    let sender = "asm sender
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Log subsetof Agent
+  static log: Log
+  out entry: Prod(Log, Boolean) -> Rule
+definitions:
+  main rule r_Main = r_wsend[log, \"entry\", true]
+";
+    let log = "asm log
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Log subsetof Agent
+  out entry: Prod(Log, Boolean) -> Rule
+  //@Backref
+  shared client: Agent -> Agent
+  controlled count: Integer
+definitions:
+  main rule r_Main = par r_wreceive[client(self), \"entry\"] count := 0 endpar
+";
+    let system = SystemSpecification {
+        machines: vec![machine("sender", sender), machine("log", log)],
+        ..SystemSpecification::default()
+    };
+    let verification = verified_system(system, &messages_without_possible(2));
+    let faults = verification.properties.iter();
+    let faults = faults.filter(|it| it.text == "no step fails");
+    let faults: Vec<_> = faults.collect();
+    let Verdict::Violated(Some(run)) = &faults[0].verdict else {
+        panic!("{:?}", faults[0].verdict);
+    };
+    assert_eq!(run.steps.len(), 3);
+    let fault = run.steps[2].fault.as_ref().unwrap();
+    assert_eq!(
+        fault.message,
+        "the mailbox of `log` is full: `entry` of `sender` does not fit"
+    );
+}
+
+fn messages_without_possible(mailbox: usize) -> Options {
+    Options {
+        messages: MessageModel {
+            mailbox,
+            ..MessageModel::default()
+        },
+        ..Options::default()
+    }
+}
+
+#[test]
+fn partners_outside_the_system_reply_fail_or_let_the_call_time_out() {
+    let client = SystemSpecification {
+        machines: vec![machine("client", &CLIENT.replace("DEADLINE", "500"))],
+        ..SystemSpecification::default()
+    };
+    let verification = verified_system(client, &messages(false, false));
+    assert_eq!(verdict_of(&verification, "number = 3"), "holds");
+    assert_eq!(verdict_of(&verification, "answered"), "violated");
+    assert_eq!(verdict_of(&verification, "canAnswer"), "holds");
+    // the server alone gets requests from outside
+    let server = SystemSpecification {
+        machines: vec![machine("server", SERVER)],
+        ..SystemSpecification::default()
+    };
+    let options = Options {
+        possible: vec!["asked = 2".to_owned()],
+        ..messages_without_possible(1)
+    };
+    let verification = verified_system(server, &options);
+    assert_eq!(verdict_of(&verification, "asked = 2"), "holds");
+    assert_eq!(verdict_of(&verification, "no step fails"), "holds");
+}
