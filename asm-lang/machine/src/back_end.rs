@@ -14,7 +14,7 @@
 //! its own unsafe code.
 
 pub use crate::compile::Compiler;
-pub use crate::direct::{DirectRule, DirectStep};
+pub use crate::direct::{DirectResult, DirectRule, DirectStep};
 pub use crate::limits::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
 pub use crate::run::code::{
     NativeCompiler, NativeRule, NoNativeCode, RuleCode, TermCode, TruthCode,

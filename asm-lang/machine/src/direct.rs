@@ -14,11 +14,25 @@ use asmotion_value::Value;
 
 /// A main rule as native code that handles whole steps.
 pub trait DirectRule: Send + Sync {
-    /// Collects the updates of a step. Returns `false` if it gave up; apart from choices and coverage counters, this has no
-    /// effect.
+    /// Collects the updates of a step, and applies them if the step asks for it. Apart from choices and coverage counters, a
+    /// rule that gives up has no effect.
     ///
     /// The rule may be called only if it was compiled for the program whose step this is.
-    fn collect(&self, step: &mut DirectStep<'_>) -> bool;
+    fn collect(&self, step: &mut DirectStep<'_>) -> DirectResult;
+
+    /// Returns `true` if the rule may be used in a state with these slots, and in all states that steps lead to from there.
+    fn fits(&self, slots: &[Value]) -> bool;
+}
+
+/// The result of a direct rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DirectResult {
+    /// The updates are complete, and they and the previous values are scalars.
+    Scalars,
+    /// The updates are complete, and some previous value is no scalar.
+    Values,
+    /// The rule gave up: closures evaluate the step.
+    GaveUp,
 }
 
 /// Number of steps that a direct rule may give up, whatever their share: locations get their first values in such steps.
@@ -30,8 +44,8 @@ const HITS: u64 = 4;
 /// The steps of a machine that its direct rule was tried for.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DirectUse {
-    /// `true` if the next step is tried.
-    pub is_on: bool,
+    /// `true` if the rule fits the state and is tried for the next step; `false` after a change other than by a step.
+    pub is_ready: bool,
     /// `true` if the rule gives up too often to be tried again.
     pub is_refused: bool,
     pub tried: u64,
@@ -43,7 +57,7 @@ impl DirectUse {
     pub fn miss(&mut self) {
         self.missed += 1;
         if self.missed > MIN_MISSES && self.missed > self.tried / HITS {
-            self.is_on = false;
+            self.is_ready = false;
             self.is_refused = true;
         }
     }
@@ -53,6 +67,8 @@ impl DirectUse {
 pub struct DirectStep<'a> {
     pub(crate) slots: &'a mut [Value],
     pub(crate) updates: &'a mut Updates,
+    pub(crate) before: &'a mut Vec<Value>,
+    pub(crate) applies: bool,
     pub(crate) chooser: &'a mut dyn Chooser,
     pub(crate) record: &'a mut StepLog,
 }
@@ -68,6 +84,13 @@ impl DirectStep<'_> {
     #[inline]
     pub fn update_lists(&mut self) -> UpdateLists<'_> {
         self.updates.lists()
+    }
+
+    /// Returns the list for the previous values of the updated slots, empty at the start of a step, if the updates are to be
+    /// applied.
+    #[inline]
+    pub fn before(&mut self) -> Option<&mut Vec<Value>> {
+        self.applies.then_some(&mut *self.before)
     }
 
     /// Returns the coverage counters of the program. They stay in place during the step.

@@ -2,7 +2,7 @@
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
-use crate::direct::{DirectStep, DirectUse, RepeatedChoices};
+use crate::direct::{DirectResult, DirectStep, DirectUse, RepeatedChoices};
 use crate::environment::Environment;
 use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
@@ -124,6 +124,8 @@ pub(crate) struct Scratch {
     /// `true` if the last step wrote and replaced only scalars, so that no value needs to be
     /// dropped.
     is_plain: bool,
+    /// `true` if a direct step used the buffers last.
+    is_direct: bool,
     /// Coverage counters before a direct step.
     counts_before: Vec<u64>,
     /// Choices of a direct rule that gave up, to be repeated.
@@ -146,6 +148,23 @@ impl Scratch {
         }
         // assume non-scalars until this step has succeeded
         self.is_plain = false;
+        self.is_direct = false;
+    }
+
+    #[inline(never)]
+    fn save_counts(&mut self, count: usize) {
+        self.record.allocate_counts(count);
+        self.counts_before.clone_from(&self.record.counts);
+    }
+
+    /// Clears the buffers after a direct step, which uses no others.
+    #[inline]
+    fn begin_again(&mut self, now_ns: i64) {
+        self.record.choices.clear();
+        self.record.now_ns = now_ns;
+        scalar_updates::forget(&mut self.before);
+        scalar_updates::forget(&mut self.updates.list);
+        self.updates.begin_again();
     }
 }
 
@@ -212,6 +231,11 @@ impl Machine {
         self.native_compiler = Some(compiler);
     }
 
+    /// Notes that the state was changed other than by a step.
+    pub(crate) fn changed_outside(&mut self) {
+        self.direct.is_ready = false;
+    }
+
     /// Replaces the code.
     pub(crate) fn set_code(&mut self, code: CompiledProgram) {
         self.code = Arc::new(code);
@@ -224,7 +248,7 @@ impl Machine {
     /// Native code is not available; closures execute the same steps.
     pub fn set_back_end(&mut self, back_end: BackEnd) -> Result<(), NoNativeCode> {
         self.back_end = back_end;
-        self.direct.is_on = false;
+        self.direct.is_ready = false;
         match back_end {
             BackEnd::Auto | BackEnd::Closures => Ok(()),
             BackEnd::Native if self.has_direct() => Ok(()),
@@ -257,16 +281,15 @@ impl Machine {
         if !self.wants_native() {
             return false;
         }
-        if self.direct.is_refused || !self.has_direct() {
-            return self.compile_native().is_ok();
-        }
-        self.direct.is_on = true;
-        false
+        (self.direct.is_refused || !self.has_direct()) && self.compile_native().is_ok()
     }
 
     /// Returns `true` if there is a direct rule; compiles it unless it is already compiled.
     fn has_direct(&self) -> bool {
-        let compile = || self.native_compiler?.compile_direct(&self.program);
+        let compile = || {
+            let compiler = self.native_compiler?;
+            compiler.compile_direct(&self.program, &self.state.store.slots)
+        };
         self.code.direct.get_or_init(compile).is_some()
     }
 
@@ -328,10 +351,25 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<Step<'_>, Box<StepFault>> {
+        if self.direct.is_ready && self.collects_directly(true, chooser, now_ns) {
+            self.steps += 1;
+            self.recheck(environment, chooser, now_ns)?;
+            return Ok(self.last_step());
+        }
+        self.step_otherwise(environment, chooser, now_ns)
+    }
+
+    /// Executes a step for which the direct rule is not ready, or gave up.
+    #[inline(never)]
+    fn step_otherwise(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<Step<'_>, Box<StepFault>> {
         let number = self.steps + 1;
-        if self.collects_directly(chooser, now_ns) {
-            self.fire_updates();
-        } else {
+        let is_tried = self.direct.is_ready;
+        if is_tried || !self.is_direct() || !self.collects_directly(true, chooser, now_ns) {
             let is_native = self.is_native();
             let choices = &mut self.repeating(chooser);
             self.attempt(true, environment, choices, now_ns, |run| {
@@ -358,7 +396,8 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<&[Update], Box<StepFault>> {
-        if self.collects_directly(chooser, now_ns) {
+        let is_direct = self.direct.is_ready || self.is_direct();
+        if is_direct && self.collects_directly(false, chooser, now_ns) {
             return Ok(&self.scratch.updates.list);
         }
         let is_native = self.is_native();
@@ -377,46 +416,81 @@ impl Machine {
         Ok(&self.scratch.updates.list)
     }
 
-    /// Collects the updates of a step directly; returns `false` if this is not possible.
-    #[inline]
-    fn collects_directly(&mut self, chooser: &mut dyn Chooser, now_ns: i64) -> bool {
-        if !self.direct.is_on || self.steps == 0 || !self.is_complete {
+    /// Returns `true` if the direct rule can be tried for the next step; compiles it once enough work was done.
+    fn is_direct(&mut self) -> bool {
+        let is_begun = self.is_complete && (self.steps > 0 || !self.program.needs_inputs());
+        if !is_begun || !self.wants_native() || self.direct.is_refused || !self.has_direct() {
             return false;
         }
+        if let Some(Some(rule)) = self.code.direct.get() {
+            self.direct.is_ready = rule.fits(&self.state.store.slots);
+        }
+        if !self.direct.is_ready {
+            self.direct.tried += 1;
+            self.direct.miss();
+        }
+        self.direct.is_ready
+    }
+
+    /// Collects the updates of a step directly and applies them if `applies` is set. Returns `false` if the rule gave up.
+    #[inline(always)]
+    fn collects_directly(&mut self, applies: bool, chooser: &mut dyn Chooser, now_ns: i64) -> bool {
         let Some(Some(rule)) = self.code.direct.get() else {
             return false;
         };
         self.direct.tried += 1;
-        self.rounds += 1;
-        self.scratch.begin(now_ns);
-        self.scratch.updates.begin(self.state.len());
-        self.state.forget_uncommitted();
+        self.scratch.begun_at = (self.steps, self.state.store.reserve.len());
+        if self.scratch.is_direct {
+            self.scratch.begin_again(now_ns);
+        } else {
+            self.scratch.begin(now_ns);
+            self.scratch.updates.begin(self.state.len());
+            self.state.forget_uncommitted();
+        }
+        let is_counted = !self.program.counted.is_empty();
+        if is_counted {
+            self.scratch.save_counts(self.program.counted.len());
+        }
         let Scratch {
             updates,
             record,
-            counts_before,
+            before,
             ..
         } = &mut self.scratch;
-        if !self.program.counted.is_empty() {
-            record.allocate_counts(self.program.counted.len());
-            counts_before.clone_from(&record.counts);
-        }
         let mut step = DirectStep {
             slots: &mut self.state.store.slots,
             updates,
+            before,
+            applies,
             chooser,
             record,
         };
-        if rule.collect(&mut step) {
-            self.scratch.begun_at = (self.steps, self.state.store.reserve.len());
-            return true;
+        match rule.collect(&mut step) {
+            DirectResult::Scalars => {
+                (self.scratch.is_plain, self.scratch.is_direct) = (true, true);
+                true
+            }
+            DirectResult::Values => {
+                (self.scratch.is_plain, self.scratch.is_direct) = (false, false);
+                true
+            }
+            DirectResult::GaveUp => {
+                self.give_up(is_counted);
+                false
+            }
         }
+    }
+
+    #[cold]
+    fn give_up(&mut self, is_counted: bool) {
         self.direct.miss();
-        if !self.program.counted.is_empty() {
-            std::mem::swap(&mut record.counts, counts_before);
+        if is_counted {
+            std::mem::swap(
+                &mut self.scratch.record.counts,
+                &mut self.scratch.counts_before,
+            );
         }
         self.scratch.missed = std::mem::take(&mut self.scratch.record.choices);
-        false
     }
 
     /// Returns a chooser that first repeats the choices of a direct rule that gave up.
@@ -607,7 +681,8 @@ impl Machine {
         }
         before.clear();
         *is_plain = false;
-        self.steps = *steps;
+        self.scratch.is_direct = false;
+        self.steps = self.scratch.begun_at.0;
     }
 
     /// Runs `work` in the context of a step.
@@ -620,6 +695,7 @@ impl Machine {
         now_ns: i64,
         work: impl FnOnce(&mut StepContext<'_>) -> T,
     ) -> Result<T, Box<StepFault>> {
+        self.scratch.is_direct = false;
         let Scratch {
             updates,
             record,

@@ -30,6 +30,7 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<Step<'_>, Box<StepFault>> {
+        self.changed_outside();
         self.attempt(false, environment, chooser, now_ns, |run| {
             match run.program.added_rules.get(rule.0 as usize) {
                 Some(&routine) => run.call_routine(routine, 0),
@@ -138,6 +139,7 @@ impl Machine {
         arguments: &[Value],
         value: Value,
     ) -> Result<Slot, Box<StepFault>> {
+        self.changed_outside();
         let step = self.steps;
         let is_input = matches!(
             self.program.functions[function.0 as usize].kind,

@@ -211,6 +211,7 @@ impl Machine {
         self.state
             .restore(program, &code.layout, &code.supers, unpacked);
         self.messages.replace_messages(post);
+        self.changed_outside();
         self.is_complete = phase & COMPLETE != 0;
         self.forget_last_step();
         Ok(phase)

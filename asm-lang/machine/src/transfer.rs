@@ -83,6 +83,7 @@ impl Machine {
         next.messages = messages.ok_or(TransferError::Message)?;
         next.steps = other.steps;
         next.forget_last_step();
+        next.changed_outside();
         *self = next;
         Ok(())
     }

@@ -157,6 +157,16 @@ impl Updates {
         self.grow(slots);
     }
 
+    /// Starts the update set of a step after one without layers and new elements, with as many slots.
+    #[inline]
+    pub fn begin_again(&mut self) {
+        if self.last_epoch > u32::MAX / 2 {
+            self.begin(0);
+        } else {
+            self.new_epoch();
+        }
+    }
+
     /// Adds marks for newly interned slots.
     #[inline]
     pub fn grow(&mut self, slots: usize) {

@@ -16,7 +16,9 @@
 #[path = "../../../benches/machines/hand/mod.rs"]
 mod hand;
 
+use asmotion_lang::machine::NativeCompiler;
 use asmotion_lang::{BackEnd, Chooser, MemoryFiles, NoInputs};
+use asmotion_native::Cranelift;
 use hand::Shifts;
 use std::process::Command;
 
@@ -74,8 +76,18 @@ fn run(name: &str, side: &str, steps: u64) {
     files.add(name, case.text);
     let opened = asmotion_lang::open(name, &files).unwrap_or_else(|failure| panic!("{failure}"));
     let mut machine = opened.machine().unwrap();
+    if side == "compile" {
+        for _ in 0..steps {
+            let direct = Cranelift.compile_direct(&opened.program, machine.slots());
+            if direct.is_none() {
+                drop(Cranelift.compile(&opened.program).unwrap());
+            }
+        }
+        return;
+    }
     machine.set_back_end(BackEnd::Native).unwrap();
     let mut shifts = Shifts(Shifts::SEED);
+    machine.step(&mut NoInputs, &mut shifts, 0).unwrap();
     for _ in 0..steps {
         match side {
             "step" => drop(
@@ -130,8 +142,10 @@ fn main() {
         return;
     }
     let selected: Vec<&String> = arguments.iter().filter(|it| !it.starts_with('-')).collect();
-    println!("| machine | by hand | a step | factor | at most | evaluated only |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| machine | by hand | a step | factor | at most | evaluated only | compilation, millions |"
+    );
+    println!("|---|---|---|---|---|---|---|");
     let mut missed = Vec::new();
     for case in CASES {
         if !selected.is_empty() && !selected.iter().any(|name| *name == case.name) {
@@ -139,9 +153,10 @@ fn main() {
         }
         let [hand, step, evaluated] =
             ["hand", "step", "evaluate"].map(|side| of_a_step(case, side));
+        let compiled = (count(case.name, "compile", 3) - count(case.name, "compile", 1)) / 2e6;
         let factor = step / hand;
         println!(
-            "| `{}` | {hand:.0} | {step:.0} | {factor:.1} | {} | {evaluated:.0} |",
+            "| `{}` | {hand:.0} | {step:.0} | {factor:.1} | {} | {evaluated:.0} | {compiled:.1} |",
             case.name, case.limit
         );
         if factor > case.limit {

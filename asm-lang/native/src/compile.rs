@@ -9,6 +9,7 @@ use asmotion_ir::{Program, RoutineId};
 use asmotion_machine::back_end::{
     Compiler, DirectRule, NativeCompiler, NativeRule, NoNativeCode, RuleStopped, StepContext,
 };
+use asmotion_value::Value;
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
@@ -19,8 +20,8 @@ use cranelift_module::{FuncId, Linkage, Module, default_libcall_names};
 pub struct Cranelift;
 
 impl NativeCompiler for Cranelift {
-    fn compile_direct(&self, program: &Program) -> Option<Box<dyn DirectRule>> {
-        compile_direct(program)
+    fn compile_direct(&self, program: &Program, slots: &[Value]) -> Option<Box<dyn DirectRule>> {
+        compile_direct(program, slots)
     }
 
     fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode> {

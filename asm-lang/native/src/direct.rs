@@ -6,17 +6,20 @@
 use crate::clash::clash_free;
 use crate::compile::{emitted, module};
 use crate::direct_frame::{self, DirectEntry, DirectFrame};
-use crate::emit::{Emitter, KnownValue};
+use crate::emit::{Emitter, KnownValue, Ssa};
 use crate::frame::at;
 use crate::location::Located;
 use crate::memory::CodeMemory;
 use crate::rule::{BoundRange, total};
-use asmotion_ir::{Origin, Program};
-use asmotion_machine::back_end::{DirectRule, DirectStep, MAX_BINDINGS, MAX_CALLS};
+use crate::value_facts::{ValueFact, ValueFacts};
+use asmotion_ir::{FunctionId, Origin, Program};
+use asmotion_machine::back_end::{DirectResult, DirectRule, DirectStep, MAX_BINDINGS, MAX_CALLS};
+use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::InstBuilder;
 use cranelift_codegen::ir::condcodes::IntCC;
-use cranelift_codegen::ir::types::{I32, I64};
+use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
 use cranelift_frontend::Variable;
+use std::sync::Arc;
 
 /// Limit for the number of updates of a direct step.
 const MAX_UPDATES: u64 = 1 << 20;
@@ -25,8 +28,12 @@ const MAX_UPDATES: u64 = 1 << 20;
 pub(crate) struct DirectCode {
     /// Address of the next update.
     next_update: Variable,
+    first_update: Ssa,
+    /// `true` if all slots that are updated hold scalars.
+    holds_scalars: bool,
     /// The functions whose locations are updated at most once in a step, indexed by function.
     clash_free: Vec<bool>,
+    facts: Arc<ValueFacts>,
     /// Number of times that the code generated next is executed at most in a step.
     repetitions: u64,
     /// Greatest possible numbers of updates, of bindings and of calls.
@@ -42,19 +49,24 @@ struct DirectMainRule {
     entry: DirectEntry,
     /// Greatest possible number of updates.
     updates: usize,
+    facts: Arc<ValueFacts>,
     /// Owns the code that `entry` points to.
     _memory: CodeMemory,
 }
 
 impl DirectRule for DirectMainRule {
     #[inline]
-    fn collect(&self, step: &mut DirectStep<'_>) -> bool {
+    fn collect(&self, step: &mut DirectStep<'_>) -> DirectResult {
         DirectFrame::enter(step, self.entry, self.updates)
+    }
+
+    fn fits(&self, slots: &[Value]) -> bool {
+        self.facts.hold(slots)
     }
 }
 
 /// Compiles the main rule for direct steps; `None` if they would not be sound, or useless.
-pub(crate) fn compile_direct(program: &Program) -> Option<Box<dyn DirectRule>> {
+pub(crate) fn compile_direct(program: &Program, slots: &[Value]) -> Option<Box<dyn DirectRule>> {
     let main = program.main?;
     let assumes = program.invariants.iter().any(|invariant| invariant.assumes);
     if program.compatible || program.messages.is_some() || assumes {
@@ -62,12 +74,13 @@ pub(crate) fn compile_direct(program: &Program) -> Option<Box<dyn DirectRule>> {
     }
     let mut module = module()?;
     let free = clash_free(program, main);
+    let facts = Arc::new(ValueFacts::of(program, slots));
     let mut updates = None;
     let function = emitted(
         program,
         main,
         &mut module,
-        |emitter| emitter.set_direct(free),
+        |emitter| emitter.set_direct(free, facts.clone()),
         |rule| {
             updates = rule.direct.as_ref().and_then(DirectCode::updates);
             rule.is_whole && updates.is_some()
@@ -78,6 +91,7 @@ pub(crate) fn compile_direct(program: &Program) -> Option<Box<dyn DirectRule>> {
     Some(Box::new(DirectMainRule {
         entry: memory.direct_entry(function)?,
         updates: updates?,
+        facts,
         _memory: memory,
     }))
 }
@@ -95,7 +109,7 @@ impl DirectCode {
 
 impl Emitter<'_> {
     /// Generates a direct rule instead of code with detours.
-    pub fn set_direct(&mut self, clash_free: Vec<bool>) {
+    pub fn set_direct(&mut self, clash_free: Vec<bool>, facts: Arc<ValueFacts>) {
         self.calls.way.address = direct_frame::way as *const () as usize as i64;
         self.calls.choose.address = direct_frame::choose as *const () as usize as i64;
         let next_update = self.builder.declare_var(I64);
@@ -103,7 +117,10 @@ impl Emitter<'_> {
         self.builder.def_var(next_update, first);
         self.direct = Some(DirectCode {
             next_update,
+            first_update: first,
+            holds_scalars: true,
             clash_free,
+            facts,
             repetitions: 1,
             updates: 0,
             bindings: 0,
@@ -112,12 +129,62 @@ impl Emitter<'_> {
         });
     }
 
-    /// Generates the end of a direct rule: the number of its updates.
+    /// Generates the end of a direct rule: the updates are applied if there is a list for previous values.
     pub fn end_direct(&mut self) {
-        if let Some(direct) = &self.direct {
-            let next_update = self.builder.use_var(direct.next_update);
-            self.store(self.memory.frame, next_update, self.frame, at::LIST);
+        let Some(direct) = &self.direct else {
+            return;
+        };
+        let (first, holds_scalars) = (direct.first_update, direct.holds_scalars);
+        let end = self.builder.use_var(direct.next_update);
+        self.store(self.memory.frame, end, self.frame, at::LIST);
+        let (apply, head, done) = (self.block(), self.block(), self.block());
+        let update = self.builder.append_block_param(head, I64);
+        let before = self.builder.append_block_param(head, I64);
+        let others = self.builder.append_block_param(head, I8);
+        let result = self.builder.append_block_param(done, I8);
+        let none = self.number(I8, 0);
+        let list = self.field(I64, direct_frame::BEFORE);
+        let is_empty = self.builder.ins().icmp(IntCC::Equal, first, end);
+        let is_idle = self.compare(IntCC::Equal, list, 0);
+        let is_idle = self.builder.ins().bor(is_empty, is_idle);
+        self.builder
+            .ins()
+            .brif(is_idle, done, &[none.into()], apply, &[]);
+        self.begin(apply);
+        let slots = self.field(I64, at::SLOTS);
+        let start = [first.into(), list.into(), none.into()];
+        self.builder.ins().jump(head, &start);
+        self.begin(head);
+        let slot = self.load(self.memory.updates, I32, update, at::UPDATE_SLOT);
+        let slot = self.builder.ins().uextend(I64, slot);
+        let bytes = self.builder.ins().imul_imm_s(slot, at::VALUE_SIZE);
+        let place = self.builder.ins().iadd(slots, bytes);
+        let mut found = others;
+        if !holds_scalars {
+            let tag = self.load(self.memory.slots, I8, place, 0);
+            let last = i64::from(layout::LAST_SCALAR);
+            let is_other = self.compare(IntCC::UnsignedGreaterThan, tag, last);
+            found = self.builder.ins().bor(others, is_other);
         }
+        let previous = self.load(self.memory.slots, I64X2, place, 0);
+        self.store(self.memory.locals, previous, before, 0);
+        let value = self.load(self.memory.updates, I64X2, update, at::UPDATE_VALUE);
+        self.store(self.memory.slots, value, place, 0);
+        let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
+        let next_before = self.builder.ins().iadd_imm_s(before, at::VALUE_SIZE);
+        let is_last = self.builder.ins().icmp(IntCC::Equal, next, end);
+        self.builder.ins().brif(
+            is_last,
+            done,
+            &[found.into()],
+            head,
+            &[next.into(), next_before.into(), found.into()],
+        );
+        self.begin(done);
+        let status = self.builder.ins().imul_imm_s(result, 2);
+        self.builder.ins().return_(&[status]);
+        let rest = self.block();
+        self.begin(rest);
     }
 
     /// In a direct rule, generates the exit that gives up, and returns `true`. The code that follows is unreachable.
@@ -131,6 +198,12 @@ impl Emitter<'_> {
         let rest = self.block();
         self.begin(rest);
         true
+    }
+
+    /// Returns what is known about the values of a function: nothing, except in a direct rule.
+    pub fn value_fact(&self, function: FunctionId) -> ValueFact {
+        let direct = self.direct.as_ref();
+        direct.map_or(ValueFact::ANYTHING, |direct| direct.facts.get(function))
     }
 
     /// In a direct rule, counts a call at compile time, and returns `true`.
@@ -183,6 +256,7 @@ impl Emitter<'_> {
         };
         direct.updates = direct.updates.saturating_add(direct.repetitions);
         let next_update = direct.next_update;
+        direct.holds_scalars &= direct.facts.get(located.function).is_scalar();
         let free = direct.clash_free.get(located.function.0 as usize);
         let is_free = free.copied().unwrap_or(false);
         let slot = self.slot(located);

@@ -9,14 +9,19 @@
     reason = "native code and the machine share memory by pointers"
 )]
 
-use crate::frame::at;
+use crate::frame::{PanicPayload, at, caught};
 use asmotion_ir::Origin;
 use asmotion_machine::Update;
-use asmotion_machine::back_end::{Choosing, DirectStep, Mark};
+use asmotion_machine::back_end::{Choosing, DirectResult, DirectStep, Mark};
 use asmotion_value::Value;
 use std::mem::offset_of;
+use std::panic::resume_unwind;
 
-/// The signature of a direct rule. It returns 0 if the update set is complete and 1 if it gave up.
+/// Offset of the list for previous values.
+pub(crate) const BEFORE: i32 = offset_of!(DirectFrame, before) as i32;
+
+/// The signature of a direct rule. It returns 0 if the update set is complete, 1 if it gave up, and 2 if the update set is
+/// complete and a previous value is no scalar.
 pub(crate) type DirectEntry = unsafe extern "C" fn(*mut DirectFrame) -> u8;
 
 /// The interface to a step, at the offsets in [`at`].
@@ -28,7 +33,11 @@ pub(crate) struct DirectFrame {
     list: *mut Update,
     counters: *mut u64,
     epoch: u32,
+    /// The list for previous values; null if the updates are not applied.
+    before: *mut Value,
     step: *mut DirectStep<'static>,
+    /// The panic of a chooser, to be resumed when native code returns.
+    panic: Option<PanicPayload>,
 }
 
 const _: () = {
@@ -40,13 +49,24 @@ const _: () = {
 };
 
 impl DirectFrame {
-    /// Runs a direct rule, which adds at most `updates` updates. Returns `false` if it gave up.
+    /// Runs a direct rule, which adds at most `updates` updates.
     #[inline]
-    pub fn enter(step: &mut DirectStep<'_>, entry: DirectEntry, updates: usize) -> bool {
+    pub fn enter(step: &mut DirectStep<'_>, entry: DirectEntry, updates: usize) -> DirectResult {
         let slots = step.slots_mut().as_mut_ptr();
+        let before = match step.before() {
+            Some(before) => {
+                if before.capacity() < updates {
+                    before.reserve(updates);
+                }
+                before.as_mut_ptr()
+            }
+            None => std::ptr::null_mut(),
+        };
         let counters = step.counters().as_mut_ptr();
         let lists = step.update_lists();
-        lists.updates.reserve(updates);
+        if lists.updates.capacity() < updates {
+            lists.updates.reserve(updates);
+        }
         let list = lists.updates.as_mut_ptr();
         let (marks, epoch) = (lists.marks.as_mut_ptr(), lists.epoch);
         let mut frame = Self {
@@ -55,23 +75,50 @@ impl DirectFrame {
             list,
             counters,
             epoch,
+            before,
             step: std::ptr::from_mut(step).cast(),
+            panic: None,
         };
         // SAFETY: the entry was generated for the program of this step and for this layout of the frame, and its memory
         // lives as long as the rule that called this function. It accesses slots and marks only below the number of slots
         // that the program fixes, counters only below their number, and writes at most `updates` updates, for which the
         // list, empty at the start of a step, has capacity. `step` is not used here until it returns.
-        let gave_up = unsafe { entry(&raw mut frame) };
-        if gave_up != 0 {
-            return false;
+        let status = unsafe { entry(&raw mut frame) };
+        if let Some(payload) = frame.panic {
+            resume_unwind(payload);
+        }
+        if status == 1 {
+            return DirectResult::GaveUp;
         }
         // SAFETY: both pointers are into the allocation of the list, and their distance is a multiple of the size of an
         // update, of which native code has initialised as many.
         unsafe {
             let count = frame.list.offset_from_unsigned(list);
             step.update_lists().updates.set_len(count);
+            if let Some(before) = step.before() {
+                before.set_len(count);
+            }
         }
-        true
+        if status == 0 {
+            DirectResult::Scalars
+        } else {
+            DirectResult::Values
+        }
+    }
+
+    /// Asks the chooser; returns `None` after a panic, which must not unwind through native code.
+    fn asked<T>(&mut self, ask: impl FnOnce(&mut DirectStep<'static>) -> T) -> Option<T> {
+        if self.panic.is_some() {
+            return None;
+        }
+        let step = self.step();
+        match caught(|| ask(step)) {
+            Ok(answer) => Some(answer),
+            Err(payload) => {
+                self.panic = Some(payload);
+                None
+            }
+        }
     }
 
     fn step(&mut self) -> &mut DirectStep<'static> {
@@ -83,14 +130,15 @@ impl DirectFrame {
 
 /// Returns how the value of a variable with this range is chosen: 0 by index, 1 the first candidate, 2 picked from outside.
 pub(crate) extern "C" fn way(frame: &mut DirectFrame, range: u32) -> u8 {
-    match frame.step().choosing(Origin(range)) {
-        Choosing::ByNumber => 0,
-        Choosing::First => 1,
-        Choosing::Picked => 2,
+    match frame.asked(|step| step.choosing(Origin(range))) {
+        Some(Choosing::ByNumber) => 0,
+        Some(Choosing::First) | None => 1,
+        Some(Choosing::Picked) => 2,
     }
 }
 
 /// Returns the index of the chosen one of `count` candidates.
 pub(crate) extern "C" fn choose(frame: &mut DirectFrame, count: u64, origin: u32) -> u64 {
-    frame.step().choose(count as usize, Origin(origin)) as u64
+    let chosen = frame.asked(|step| step.choose(count as usize, Origin(origin)) as u64);
+    chosen.unwrap_or_default()
 }

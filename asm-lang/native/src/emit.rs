@@ -37,6 +37,8 @@ pub(crate) struct NativeInt {
     pub interval: IntegerInterval,
     /// The value as the sum of another value and a constant.
     pub root: (Ssa, i64),
+    /// `true` if the bounds follow from the program alone, not from facts about the state.
+    pub is_proven: bool,
 }
 
 impl NativeInt {
@@ -45,6 +47,7 @@ impl NativeInt {
             value,
             interval,
             root: (value, 0),
+            is_proven: true,
         }
     }
 }

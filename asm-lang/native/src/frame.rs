@@ -19,7 +19,12 @@ use asmotion_machine::back_end::{
 };
 use asmotion_machine::{FaultKind, Update};
 use asmotion_value::{Atom, Value};
+use std::any::Any;
 use std::mem::{ManuallyDrop, offset_of};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+/// The value that a panic carries.
+pub(crate) type PanicPayload = Box<dyn Any + Send>;
 
 /// The signature of a native function. It returns 0 if the rule succeeded and 1 if it stopped.
 pub(crate) type NativeEntry = unsafe extern "C" fn(*mut NativeFrame) -> u8;
@@ -56,6 +61,8 @@ pub(crate) struct NativeFrame {
     detours: *const Detour,
     /// Number of locals required by closures.
     needed: usize,
+    /// The panic of a host function, to be resumed when native code returns.
+    panic: Option<PanicPayload>,
 }
 
 /// Offsets and sizes for generated code.
@@ -135,6 +142,7 @@ impl NativeFrame {
             run: std::ptr::from_mut(run).cast(),
             detours: detours.as_ptr(),
             needed,
+            panic: None,
         };
         frame.refresh_list();
         // SAFETY: the entry was generated for the program of this step and for this layout of the
@@ -154,8 +162,11 @@ impl NativeFrame {
                 Err(RuleStopped)
             }
         };
-        let Self { answer, .. } = frame;
+        let Self { answer, panic, .. } = frame;
         answer.discard();
+        if let Some(payload) = panic {
+            resume_unwind(payload);
+        }
         done
     }
 
@@ -226,12 +237,16 @@ impl NativeFrame {
     }
 
     /// Runs `work` outside native code, with the frame of locals and the call depth of an inlined
-    /// routine.
+    /// routine. After a panic, of this call or of an earlier one, returns `stopped`, with which native code ends soon.
     fn outside<T>(
         &mut self,
         place: u64,
+        stopped: T,
         work: impl FnOnce(&mut StepContext<'static>, &mut Value) -> T,
     ) -> T {
+        if self.panic.is_some() {
+            return stopped;
+        }
         self.set_lengths();
         let (base, depth) = (place as u32 as usize, (place >> 32) as u32 + self.depth);
         // SAFETY: as in `run`; the step context does not overlap the frame, whose `answer` is
@@ -242,11 +257,22 @@ impl NativeFrame {
         if run.locals.len() < self.needed {
             run.locals.resize(self.needed, Value::Undef);
         }
-        let result = on_enough_stack(|| work(run, &mut self.answer));
+        let answer = &mut self.answer;
+        let result = on_enough_stack(|| caught(|| work(run, answer)));
         (run.base, run.depth) = outer;
         self.refresh();
-        result
+        result.unwrap_or_else(|payload| {
+            self.answer = Value::Undef;
+            self.panic = Some(payload);
+            stopped
+        })
     }
+}
+
+/// Returns the result of `work`, or its panic, which must not unwind through native code.
+pub(crate) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, PanicPayload> {
+    // what `work` leaves behind is not used any more: the panic is resumed
+    catch_unwind(AssertUnwindSafe(work))
 }
 
 /// Packs the position of a call to the host: the first local of its frame, and its call depth.
@@ -261,6 +287,7 @@ pub(crate) fn pack_call_position(base: u32, depth: u32) -> i64 {
 pub(crate) mod out {
     use super::{
         Atom, Choosing, Detour, FaultKind, KleeneTruth, NativeFrame, Origin, StepContext, Value,
+        caught,
     };
 
     fn detour(frame: &NativeFrame, index: u32) -> &'static Detour {
@@ -278,7 +305,7 @@ pub(crate) mod out {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
         };
-        stopped(frame.outside(place, |run, _| rule(run).is_ok()))
+        stopped(frame.outside(place, false, |run, _| rule(run).is_ok()))
     }
 
     /// Runs the closure of a rule in a layer that is applied; returns 2 if its set is empty.
@@ -286,7 +313,7 @@ pub(crate) mod out {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
         };
-        frame.outside(place, |run, _| match run.run_applying(rule) {
+        frame.outside(place, 1, |run, _| match run.run_applying(rule) {
             Ok(false) => 0,
             Ok(true) => 2,
             Err(_) => 1,
@@ -298,7 +325,7 @@ pub(crate) mod out {
         let Detour::Truth(truth) = detour(frame, index) else {
             return 2;
         };
-        frame.outside(place, |run, _| {
+        frame.outside(place, 2, |run, _| {
             let holds = truth(run);
             match holds {
                 _ if run.has_failed() => 2,
@@ -317,7 +344,7 @@ pub(crate) mod out {
         let Detour::Truth(truth) = detour(frame, index) else {
             return 2;
         };
-        frame.outside(place, |run, _| {
+        frame.outside(place, 2, |run, _| {
             let holds = truth(run);
             match holds {
                 _ if run.take_failure() => 2,
@@ -331,7 +358,7 @@ pub(crate) mod out {
     /// Evaluates the closure of a term and stores the value in the frame's `answer`.
     pub extern "C" fn term(frame: &mut NativeFrame, index: u32, place: u64) {
         if let Detour::Term(term) = detour(frame, index) {
-            frame.outside(place, |run, answer| {
+            frame.outside(place, (), |run, answer| {
                 let value = term(run);
                 *answer = if run.take_failure() {
                     Value::Undef
@@ -347,7 +374,7 @@ pub(crate) mod out {
         let Detour::Term(term) = detour(frame, index) else {
             return 1;
         };
-        frame.outside(place, |run, _| {
+        frame.outside(place, 1, |run, _| {
             let value = term(run);
             run.locals[local as usize] = value;
             u8::from(run.take_failure())
@@ -367,21 +394,23 @@ pub(crate) mod out {
     /// Returns how the value of a variable with this range is chosen: 0 by index, 1 the first
     /// candidate, 2 picked from outside.
     pub extern "C" fn way(frame: &mut NativeFrame, range: u32) -> u8 {
-        match frame.run().choosing(Origin(range)) {
-            Choosing::ByNumber => 0,
-            Choosing::First => 1,
-            Choosing::Picked => 2,
+        let choosing = frame.asked(|run| run.choosing(Origin(range)));
+        match choosing {
+            Some(Choosing::ByNumber) => 0,
+            Some(Choosing::First) | None => 1,
+            Some(Choosing::Picked) => 2,
         }
     }
 
     /// Returns the index of the chosen one of `count` candidates.
     pub extern "C" fn choose(frame: &mut NativeFrame, count: u64, origin: u32) -> u64 {
-        frame.run().choose(count as usize, Origin(origin)) as u64
+        let chosen = frame.asked(|run| run.choose(count as usize, Origin(origin)) as u64);
+        chosen.unwrap_or_default()
     }
 
     /// Records the fault of a loop with too many iterations.
     pub extern "C" fn endless(frame: &mut NativeFrame, most: u32, origin: u32, place: u64) {
-        frame.outside(place, |run, _| {
+        frame.outside(place, (), |run, _| {
             run.fail(FaultKind::Endless(most), Origin(origin));
         });
     }
@@ -415,6 +444,21 @@ pub(crate) mod out {
     }
 
     impl NativeFrame {
+        /// Asks the chooser, which changes no list; returns `None` after a panic.
+        fn asked<T>(&mut self, ask: impl FnOnce(&mut StepContext<'static>) -> T) -> Option<T> {
+            if self.panic.is_some() {
+                return None;
+            }
+            let run = self.run();
+            match caught(|| ask(run)) {
+                Ok(answer) => Some(answer),
+                Err(payload) => {
+                    self.panic = Some(payload);
+                    None
+                }
+            }
+        }
+
         /// Runs `work` that executes no code of the program and needs no frame of locals.
         fn outside_here<T>(&mut self, work: impl FnOnce(&mut StepContext<'static>) -> T) -> T {
             self.set_lengths();

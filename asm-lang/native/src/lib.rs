@@ -23,5 +23,6 @@ mod sequence;
 mod static_analysis;
 mod term;
 mod truth;
+mod value_facts;
 
 pub use compile::Cranelift;

@@ -154,7 +154,8 @@ impl Emitter<'_> {
     fn axis_offset(&mut self, number: NativeInt, low: i64, count: u32) -> (Ssa, i64) {
         let high = low.saturating_add(i64::from(count) - 1);
         let (root, offset) = number.root;
-        if number.interval.within(low, high)
+        if number.is_proven
+            && number.interval.within(low, high)
             && let Some(offset) = offset.checked_sub(low)
             && i32::try_from(offset).is_ok()
         {
@@ -180,6 +181,21 @@ impl Emitter<'_> {
 
     /// Loads the payload of a location's value; leaves for the detour if the tag differs.
     pub fn read(&mut self, located: &Located, tag: u8, ty: Type) -> Ssa {
+        let kind = match tag {
+            layout::BOOL => ValueKind::Bool,
+            layout::INT => ValueKind::Int,
+            layout::ATOM => ValueKind::Atom,
+            _ => ValueKind::Other,
+        };
+        if self.value_fact(located.function).is_always(kind) {
+            let offset = located.offset + at::PAYLOAD;
+            let payload = self.load(self.memory.slots, ty, located.pointer, offset);
+            return match kind {
+                // a truth value may be used as an index, which must be in bounds even if the fact is wrong
+                ValueKind::Bool => self.builder.ins().band_imm_s(payload, 1),
+                ValueKind::Int | ValueKind::Real | ValueKind::Atom | ValueKind::Other => payload,
+            };
+        }
         self.expect(self.memory.slots, located.pointer, located.offset, tag, ty)
     }
 

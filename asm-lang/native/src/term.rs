@@ -57,10 +57,19 @@ impl Emitter<'_> {
                 let otherwise = self.integer(otherwise);
                 self.jump_with(done, otherwise.value);
                 self.begin(done);
-                NativeInt::new(result, then.interval.or(otherwise.interval))
+                NativeInt {
+                    is_proven: then.is_proven && otherwise.is_proven,
+                    ..NativeInt::new(result, then.interval.or(otherwise.interval))
+                }
             }
             TermNode::Slot(..) | TermNode::Location(..) => match self.place_of(term) {
-                Some(place) => anything(self.read(&place, layout::INT, I64)),
+                Some(place) => {
+                    let value = self.read(&place, layout::INT, I64);
+                    NativeInt {
+                        is_proven: false,
+                        ..NativeInt::new(value, self.value_fact(place.function).integers())
+                    }
+                }
                 None => anything(self.term_outside(term, layout::INT, I64)),
             },
             TermNode::Constant(_)
@@ -194,7 +203,10 @@ impl Emitter<'_> {
             }
             (Arithmetic::Mod, _) => self.modulo(left, right),
         };
-        let mut int = NativeInt::new(value, interval);
+        let mut int = NativeInt {
+            is_proven: left.is_proven && right.is_proven,
+            ..NativeInt::new(value, interval)
+        };
         // indices that differ by a constant share an address computation
         let constant = right.interval;
         if !overflows && constant.low == constant.high {

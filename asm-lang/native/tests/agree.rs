@@ -10,7 +10,7 @@
 use asmotion_lang::ir::Program;
 use asmotion_lang::machine::back_end::{DirectRule, NativeCompiler, NativeRule, NoNativeCode};
 use asmotion_lang::simulate::{Random, Seeded, Trace};
-use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification};
+use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification, Value};
 use asmotion_native::Cranelift;
 use std::path::Path;
 
@@ -70,7 +70,7 @@ impl NativeCompiler for OnlyDetours {
         Cranelift.compile(program)
     }
 
-    fn compile_direct(&self, _program: &Program) -> Option<Box<dyn DirectRule>> {
+    fn compile_direct(&self, _: &Program, _: &[Value]) -> Option<Box<dyn DirectRule>> {
         None
     }
 }
@@ -131,7 +131,9 @@ fn assert_same_runs(name: &str, specification: &Specification) {
 fn direct_rules_cover_the_machines_of_the_benchmark() {
     let mut direct = Vec::new();
     for (name, specification) in programs() {
-        if Cranelift.compile_direct(&specification.program).is_some() {
+        let machine = specification.machine().unwrap();
+        let rule = Cranelift.compile_direct(&specification.program, machine.slots());
+        if rule.is_some() {
             direct.push(name);
         }
     }

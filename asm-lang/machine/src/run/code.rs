@@ -49,8 +49,9 @@ pub trait NativeCompiler: Send + Sync + fmt::Debug {
     /// the same steps.
     fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode>;
 
-    /// Compiles the main rule of a program for direct steps; `None` if it is not suitable for them.
-    fn compile_direct(&self, program: &Program) -> Option<Box<dyn DirectRule>>;
+    /// Compiles the main rule of a program for direct steps from a state with these slots; `None` if it is not suitable for
+    /// them.
+    fn compile_direct(&self, program: &Program, slots: &[Value]) -> Option<Box<dyn DirectRule>>;
 }
 
 /// A main rule as native code. It may leave any part of the rule to the closure of that part, but
