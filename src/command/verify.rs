@@ -6,16 +6,17 @@ mod json;
 mod options;
 mod progress;
 mod show;
+mod system;
 mod words;
 
 use crate::exit::Exit;
-use crate::files::DiskLoader;
 use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
-use asmotion_verify::{Progress, Verdict, Verification, verify};
+use asmotion_verify::{Progress, SystemSpecification, Verdict, Verification, verify_system};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use system::SystemOptions;
 
 /// Verifies properties of specifications for all inputs and choices.
 #[derive(Args)]
@@ -68,6 +69,9 @@ pub struct Verify {
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
 
+    #[command(flatten)]
+    system: SystemOptions,
+
     /// Prints a JSON object for each specification
     #[arg(long)]
     json: bool,
@@ -78,6 +82,10 @@ const PROGRESS: Duration = Duration::from_secs(2);
 
 impl Verify {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        if self.system.together {
+            let exit = self.together(terminal);
+            return exit.unwrap_or_else(|exit| exit);
+        }
         let files = match named_files(&self.paths, &[FileKind::Specification]) {
             Ok(files) => files,
             Err(error) => {
@@ -99,17 +107,9 @@ impl Verify {
 
     /// Verifies the specification at a path.
     fn file(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
-        let options = asmotion_lang::ReadOptions {
-            initial: self.init.clone(),
-            ..asmotion_lang::ReadOptions::default()
-        };
-        let mut specification = match asmotion_lang::open_with(path, &DiskLoader, &options) {
+        let specification = match self.open(path, self.init.clone(), terminal) {
             Ok(specification) => specification,
-            Err(failure) => {
-                terminal.report(&failure.report, &failure.sources);
-                terminal.error(count(&failure.report).unwrap_or_default());
-                return Exit::refused(path);
-            }
+            Err(exit) => return exit,
         };
         if specification.model.main.is_none() {
             terminal.status(
@@ -118,10 +118,35 @@ impl Verify {
             );
             return Exit::Ok;
         }
-        let options = match self.options(&mut specification, terminal) {
-            Ok(options) => options,
+        let mut system = SystemSpecification::of(specification);
+        match self.environment(&mut system.machines, terminal) {
+            Ok(environment) => system.environment = environment,
             Err(exit) => return exit,
-        };
+        }
+        self.verified(path, system, terminal)
+            .unwrap_or_else(|exit| exit)
+    }
+
+    /// Verifies the specifications as machines of one system.
+    fn together(&self, terminal: &mut TerminalOutput) -> Result<Exit, Exit> {
+        if self.init.as_ref().is_some_and(|init| !init.contains('=')) {
+            terminal.error("several specifications: write `--init MACHINE=NAME`");
+            return Err(Exit::Usage);
+        }
+        let system = self.machines(terminal)?;
+        let paths = self.paths.iter().map(|path| path.display().to_string());
+        let paths: Vec<String> = paths.collect();
+        self.verified(&paths.join(" "), system, terminal)
+    }
+
+    /// Verifies a system and shows the result.
+    fn verified(
+        &self,
+        path: &str,
+        mut system: SystemSpecification,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Exit, Exit> {
+        let options = self.options(&mut system.machines, terminal)?;
         let begun = Instant::now();
         let mut shown = begun;
         let mut proceed = |progress: Progress| {
@@ -133,19 +158,19 @@ impl Verify {
             let limit = self.time;
             limit.is_none_or(|limit| (now - begun).as_secs_f64() < limit)
         };
-        match verify(specification, &options, &mut proceed) {
+        match verify_system(system, &options, &mut proceed) {
             Ok(verification) => {
                 if self.json {
                     terminal.result(json::verification(path, &verification, begun.elapsed()));
                 } else {
                     show::text(path, &verification, begun.elapsed(), terminal);
                 }
-                exit(&verification).max(self.write(&verification, terminal))
+                Ok(exit(&verification).max(self.write(&verification, terminal)))
             }
             Err(refusal) => {
                 terminal.report(&refusal.report, &refusal.specification.sources);
                 terminal.error(count(&refusal.report).unwrap_or_default());
-                Exit::Findings
+                Err(Exit::Findings)
             }
         }
     }

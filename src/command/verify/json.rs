@@ -70,6 +70,7 @@ fn run_json(run: &Run, machines: &[VerifiedMachine]) -> Value {
             "transition": step.transition,
             "inputs": object(&step.inputs),
             "choices": choices.collect::<Vec<Value>>(),
+            "messages": step.messages,
             "updates": updates.collect::<Vec<Value>>(),
             "fault": step.fault.as_ref().map(|fault| fault.message.clone()),
         })

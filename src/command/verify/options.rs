@@ -1,23 +1,24 @@
 //! The options of a verification, from those of the command.
 
 use super::Verify;
-use super::input_values::{ValuesError, input_values};
+use super::input_values::{GivenValues, ValuesError, given_values, machine_of};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
-use asmotion_lang::Specification;
-use asmotion_verify::{Limits, Options};
+use asmotion_verify::{Limits, Options, VerifiedMachine};
 
 impl Verify {
     pub(super) fn options(
         &self,
-        specification: &mut Specification,
+        machines: &mut [VerifiedMachine],
         terminal: &mut TerminalOutput,
     ) -> Result<Options, Exit> {
         let is_declared = |text: &str| {
-            let model = &specification.model;
-            let mut invariants = model.invariants.iter().map(|it| &*it.name);
-            let mut properties = model.properties.iter().filter_map(|it| it.name.as_deref());
-            invariants.any(|name| name == text) || properties.any(|name| name == text)
+            machines.iter().any(|machine| {
+                let model = &machine.specification.model;
+                let mut invariants = model.invariants.iter().map(|it| &*it.name);
+                let mut properties = model.properties.iter().filter_map(|it| it.name.as_deref());
+                invariants.any(|name| name == text) || properties.any(|name| name == text)
+            })
         };
         let terms = self.property.iter().filter(|text| !is_declared(text));
         let mut options = Options {
@@ -37,11 +38,18 @@ impl Verify {
             assumptions: self.assume.clone(),
             ends: self.end.clone(),
             inputs: Vec::new(),
+            messages: self.system.message_model(),
             ..Options::default()
         };
         for values in &self.values {
-            match input_values(specification, values) {
-                Ok(values) => options.inputs.push(values),
+            let (machine, name) = machine_of(machines, values);
+            let Some(known) = machines.get_mut(machine) else {
+                continue;
+            };
+            let specification = &mut known.specification;
+            match given_values(machine, specification, &name) {
+                Ok(GivenValues::Input(values)) => options.inputs.push(values),
+                Ok(GivenValues::Content(values)) => options.contents.push(values),
                 Err(ValuesError::Text(text)) => {
                     terminal.error(format_args!("`--values {values}`: {text}"));
                     return Err(Exit::Usage);

@@ -205,12 +205,15 @@ fn show_step(
             update.location, update.before, update.after
         ));
     }
+    for message in &step.messages {
+        terminal.result(format_args!("              {FAINT}{message}{FAINT:#}"));
+    }
     if let Some(fault) = &step.fault {
         terminal.result(format_args!(
             "              {BAD}fails{BAD:#}: {}",
             fault.message
         ));
-    } else if step.updates.is_empty() {
+    } else if step.updates.is_empty() && step.messages.is_empty() {
         terminal.result(format_args!("              {FAINT}no change{FAINT:#}"));
     }
 }
