@@ -248,3 +248,99 @@ fn partners_outside_the_system_reply_fail_or_let_the_call_time_out() {
     assert_eq!(verdict_of(&verification, "asked = 2"), "holds");
     assert_eq!(verdict_of(&verification, "no step fails"), "holds");
 }
+
+/// Opens a specification of the repository.
+fn file(folder: &str, name: &str, as_name: &str) -> asmotion_verify::VerifiedMachine {
+    let root = format!("{}/../../specs/{folder}", env!("CARGO_MANIFEST_DIR"));
+    let mut files = asmotion_lang::MemoryFiles::new();
+    for entry in std::fs::read_dir(&root).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|it| it == "asm") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            files.add(path.file_name().unwrap().to_str().unwrap(), text.as_str());
+        }
+    }
+    let opened = asmotion_lang::open(&format!("{name}.asm"), &files);
+    asmotion_verify::VerifiedMachine {
+        name: as_name.to_owned(),
+        specification: opened.unwrap_or_else(|failure| panic!("{failure}")),
+    }
+}
+
+#[test]
+fn the_courier_and_its_dispatcher_are_explored_together() {
+    let system = SystemSpecification {
+        machines: vec![
+            file("courier", "courier", "courier"),
+            file("courier", "dispatcher", "dispatcher"),
+        ],
+        ..SystemSpecification::default()
+    };
+    let options = Options {
+        limits: asmotion_verify::Limits {
+            states: Some(3000),
+            ..asmotion_verify::Limits::default()
+        },
+        possible: vec![
+            "courier.jobs = 1".to_owned(),
+            "dispatcher.finished = 1".to_owned(),
+        ],
+        ..Options::default()
+    };
+    let verification = verified_system(system, &options);
+    // the counters grow for ever
+    assert_eq!(
+        verification.incomplete,
+        Some(asmotion_verify::Incomplete::States)
+    );
+    assert_eq!(verdict_of(&verification, "courier.jobs = 1"), "holds");
+    assert_eq!(
+        verdict_of(&verification, "dispatcher.finished = 1"),
+        "holds"
+    );
+    // a dispatcher that makes no step for long is asked again and again
+    let faults = verification.properties.iter();
+    let mut faults = faults.filter(|it| it.text == "no step fails");
+    let run = faults.next().unwrap().verdict.run().unwrap();
+    let last = run.steps.last().unwrap();
+    assert_eq!(
+        last.fault.as_ref().unwrap().message,
+        "the mailbox of `dispatcher` is full: `job` of `courier` does not fit"
+    );
+    let messages = run.steps.iter().flat_map(|it| it.messages.iter());
+    assert!(
+        messages
+            .clone()
+            .any(|it| it == "courier: the call `job` times out")
+    );
+}
+
+#[test]
+fn the_allocation_and_its_robots_are_explored_together() {
+    let system = SystemSpecification {
+        machines: vec![
+            file("allocation", "allocation", "allocation"),
+            file("allocation", "robot", "ROB1"),
+            file("allocation", "robot", "ROB2"),
+        ],
+        ..SystemSpecification::default()
+    };
+    let options = Options {
+        limits: asmotion_verify::Limits {
+            states: Some(2000),
+            ..asmotion_verify::Limits::default()
+        },
+        possible: vec![
+            "tstate(TASK1) = RUNNING".to_owned(),
+            "ROB2.order = TASK2".to_owned(),
+            "lowBattery(ROB1)".to_owned(),
+        ],
+        ..Options::default()
+    };
+    let verification = verified_system(system, &options);
+    assert_eq!(
+        verdict_of(&verification, "tstate(TASK1) = RUNNING"),
+        "holds"
+    );
+    assert_eq!(verdict_of(&verification, "ROB2.order = TASK2"), "holds");
+}
