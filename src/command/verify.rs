@@ -53,6 +53,10 @@ pub struct Verify {
     #[arg(long, value_name = "STEPS")]
     bound: Option<u32>,
 
+    /// Number of elements that `extend` may create; states with more are not explored
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    reserve: usize,
+
     /// Ends the exploration after this number of states
     #[arg(long, value_name = "N")]
     states: Option<u64>,

@@ -24,6 +24,8 @@ pub struct Limits {
     pub depth: Option<u32>,
     /// Memory for states and transitions, in bytes.
     pub memory: Option<u64>,
+    /// Number of elements that `extend` creates in a machine. States with more are not explored.
+    pub reserve: Option<usize>,
 }
 
 /// The progress of an exploration.
@@ -50,6 +52,8 @@ pub enum Incomplete {
     Depth,
     /// The limit for memory.
     Memory,
+    /// The limit for elements that `extend` creates.
+    Reserve,
     /// The caller.
     Stopped,
 }
@@ -243,6 +247,8 @@ pub(crate) struct Explorer<'a, S> {
     packed: Vec<u8>,
     /// Transitions of the node that is being explored, with their labels.
     edges: Vec<(u32, u32)>,
+    /// `true` if a state was left out because of the elements in it.
+    lacks_elements: bool,
     /// `true` if fairness refers to the labels of transitions.
     has_labels: bool,
 }
@@ -268,6 +274,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             packed: Vec::new(),
             edges: Vec::new(),
             has_labels,
+            lacks_elements: false,
         }
     }
 
@@ -294,6 +301,9 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             self.expand(node)?;
             node += 1;
             self.found.explored = node;
+        }
+        if self.lacks_elements {
+            self.found.incomplete = self.found.incomplete.or(Some(Incomplete::Reserve));
         }
         self.found.counts = self.system.counts();
         Ok(self.found)
@@ -361,6 +371,15 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         (!proceed(progress)).then_some(Incomplete::Stopped)
     }
 
+    /// Returns `true` if a machine has created more elements than permitted.
+    fn exceeds_reserve(&self) -> bool {
+        let limit = self.limits.reserve;
+        limit.is_some_and(|limit| {
+            let mut machines = self.system.machines().iter();
+            machines.any(|machine| machine.naming().reserve.len() > limit)
+        })
+    }
+
     /// Finds the successors of a node.
     fn expand(&mut self, node: u32) -> Result<(), ExplorationError> {
         let inputs = self.found.inputs(node).to_vec();
@@ -386,6 +405,10 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             }
             let can_revert = self.system.can_revert();
             match self.system.step(&self.decisions, &inputs) {
+                Ok(_) if self.exceeds_reserve() => {
+                    rests = false;
+                    self.lacks_elements = true;
+                }
                 Ok(has_updates) => {
                     self.found.transitions += u64::from(has_updates);
                     self.packed.clear();

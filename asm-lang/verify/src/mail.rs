@@ -44,6 +44,18 @@ pub struct ContentValues {
     pub values: Vec<Value>,
 }
 
+impl ContentValues {
+    /// Describes the contents, as in `planner.plan in {0, 1}`.
+    pub(crate) fn describe(&self, machine: &Machine) -> String {
+        let naming = machine.naming();
+        let values = self.values.iter();
+        let values: Vec<String> = values.map(|it| it.show(&naming).to_string()).collect();
+        let partner = self.partner.as_ref();
+        let partner = partner.map_or_else(String::new, |it| format!("{}.", it.show(&naming)));
+        format!("{partner}{} in {{{}}}", self.operation, values.join(", "))
+    }
+}
+
 /// An operation that a machine requests from a partner.
 #[derive(Clone, Debug)]
 pub(crate) struct AskedOperation {

@@ -7,6 +7,7 @@ use crate::codes::main_rule;
 use crate::counterexample::Replay;
 use crate::environment::EnvironmentModel;
 use crate::explore::{ExplorationError, Explorer, Incomplete, Progress};
+use crate::growth::{GrowingLocation, growing_locations};
 use crate::inputs::InputRanges;
 use crate::machines::{MachineSystem, SystemPlan};
 use crate::mail::MessagePlan;
@@ -38,6 +39,8 @@ pub struct Verification {
     pub depth: u32,
     /// The reason for which not all states were explored.
     pub incomplete: Option<Incomplete>,
+    /// Locations that take ever new values, if not all states were explored.
+    pub growing: Vec<GrowingLocation>,
 }
 
 /// The reason for which a specification cannot be verified.
@@ -146,6 +149,11 @@ impl PreparedSystem {
             machines.push(machine);
         }
         let mut assumptions = properties.assumptions.clone();
+        for content in &options.contents {
+            if let Some(machine) = machines.get(content.machine) {
+                assumptions.push(content.describe(machine));
+            }
+        }
         for input in &options.inputs {
             if let (Some(ranges), Some(machine)) = (
                 plan.ranges.get_mut(input.machine),
@@ -212,6 +220,11 @@ impl Exploring<'_> {
         };
         let properties = verdicts(self.properties, &replay, &self.options.only)
             .map_err(|error| (0, report_of(error.diagnostic())))?;
+        let growing = if exploration.incomplete.is_some() {
+            growing_locations(&system, &exploration, self.known)
+        } else {
+            Vec::new()
+        };
         let (states, depth) = (exploration.states.len() as u64, exploration.depth());
         Ok(Verification {
             machines: Vec::new(),
@@ -222,6 +235,7 @@ impl Exploring<'_> {
             assumptions: Vec::new(),
             depth,
             incomplete: exploration.incomplete,
+            growing,
         })
     }
 

@@ -11,8 +11,10 @@ mod counts;
 mod environments;
 mod models;
 mod naive;
+mod naive_systems;
 mod runs;
 mod systems;
+mod unbounded;
 
 use asmotion_lang::{MemoryFiles, Specification};
 use asmotion_verify::{Options, SystemSpecification, Verification, verify, verify_system};

@@ -8,13 +8,13 @@ use std::collections::BTreeSet;
 
 /// Numbers that are drawn, each below a bound: the digits of a number with varying bases.
 #[derive(Default)]
-struct Digits {
+pub struct Digits {
     all: Vec<(usize, usize)>,
     at: usize,
 }
 
 impl Digits {
-    fn draw(&mut self, bound: usize) -> usize {
+    pub fn draw(&mut self, bound: usize) -> usize {
         if self.at == self.all.len() {
             self.all.push((0, bound));
         }
@@ -23,7 +23,7 @@ impl Digits {
     }
 
     /// Returns `false` after the last combination.
-    fn increment(&mut self) -> bool {
+    pub fn increment(&mut self) -> bool {
         self.at = 0;
         while let Some((digit, bound)) = self.all.pop() {
             if digit + 1 < bound {
@@ -93,17 +93,17 @@ fn explored(text: &str) -> (u64, u64, bool) {
 }
 
 /// A pseudorandom sequence (xorshift).
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
+    pub fn below(&mut self, bound: u64) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         self.0 % bound
     }
 
-    fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
+    pub fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
         all[self.below(all.len() as u64) as usize]
     }
 

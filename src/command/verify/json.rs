@@ -22,6 +22,16 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
             "run": property.verdict.run().map(|run| run_json(run, machines)),
         })
     });
+    let growing = verification.growing.iter().map(|it| {
+        json!({
+            "machine": machine_name(machines, it.machine),
+            "location": it.location,
+            "values": it.values,
+            "count": it.count,
+            "states": it.states,
+            "place": place_in(machines, it.machine, it.place),
+        })
+    });
     json!({
         "type": "verification", "v": 1,
         "path": path,
@@ -31,6 +41,7 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "depth": verification.depth,
         "excluded": verification.excluded,
         "assumptions": verification.assumptions,
+        "growing": growing.collect::<Vec<Value>>(),
         "incomplete": verification.incomplete.map(incomplete_word),
         "milliseconds": time.as_millis() as u64,
     })
@@ -41,6 +52,7 @@ fn incomplete_word(reason: Incomplete) -> &'static str {
         Incomplete::States => "states",
         Incomplete::Depth => "bound",
         Incomplete::Memory => "memory",
+        Incomplete::Reserve => "reserve",
         Incomplete::Stopped => "time",
     }
 }

@@ -26,6 +26,7 @@ impl Verify {
                 states: self.states,
                 depth: self.bound,
                 memory: Some(self.memory << 20),
+                reserve: Some(self.reserve),
             },
             properties: terms.cloned().collect(),
             possible: self.possible.clone(),

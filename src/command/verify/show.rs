@@ -48,6 +48,19 @@ pub fn text(
             "  {NOTE}note{NOTE:#} not all states were explored: {}",
             incomplete(reason)
         ));
+        for growing in &verification.growing {
+            let machines = verification.machines.as_slice();
+            let place = place_in(machines, growing.machine, growing.place);
+            let machine = machine_name(machines, growing.machine);
+            let machine = machine.map_or_else(String::new, |name| format!("{name}."));
+            terminal.result(format_args!(
+                "  {NOTE}note{NOTE:#} {machine}{} grows: {}, … takes {} values in {}; bound its domain, or the steps with `--bound`  {FAINT}{place}{FAINT:#}",
+                growing.location,
+                growing.values.join(", "),
+                number(growing.count as u64),
+                counted(growing.states as u64, "state"),
+            ));
+        }
     }
 }
 

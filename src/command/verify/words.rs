@@ -36,6 +36,9 @@ pub fn incomplete(reason: Incomplete) -> &'static str {
         Incomplete::States => "the number of states reached the limit, which `--states` sets",
         Incomplete::Depth => "the number of steps reached the limit, which `--bound` sets",
         Incomplete::Memory => "the memory reached the limit, which `--memory` sets",
+        Incomplete::Reserve => {
+            "a state has more elements created by `extend` than `--reserve` permits"
+        }
         Incomplete::Stopped => "the time is up, which `--time` sets",
     }
 }
