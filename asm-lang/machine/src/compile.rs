@@ -20,7 +20,9 @@ use crate::run::code::{Compiled, CompiledProgram, TermCode};
 use crate::watch::{watched_rule, watched_term};
 use asmotion_ir::{DomainId, Local, Program, Rule, SlotAxis, Term};
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
 
 impl CompiledProgram {
     pub fn of(program: &Program) -> Self {
@@ -73,13 +75,16 @@ impl CompiledProgram {
             }
             chain
         });
+        let (bodies, routines) = (bodies.collect(), routines.collect());
         Self {
-            bodies: bodies.collect(),
-            routines: routines.collect(),
+            bodies,
+            routines,
             supers: supers.collect(),
             layout: Layout::of(program),
             native: OnceLock::new(),
             direct: OnceLock::new(),
+            is_compiling: [const { AtomicBool::new(false) }; 2],
+            rules: compiler.rules.get(),
         }
     }
 }
@@ -125,6 +130,8 @@ impl LocalBindings {
 /// Compiles terms and rules of a program to closures.
 pub struct Compiler<'a> {
     program: &'a Program,
+    /// Number of rules compiled so far.
+    rules: Cell<u64>,
     /// The window of each function, indexed by function; `None` if it has none.
     windows: Vec<Option<(usize, Vec<SlotAxis>)>>,
 }
@@ -134,6 +141,7 @@ impl<'a> Compiler<'a> {
     pub fn of(program: &'a Program) -> Self {
         Self {
             program,
+            rules: Cell::new(0),
             windows: crate::windows::windows(program),
         }
     }

@@ -2,13 +2,13 @@
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
-use crate::direct::{DirectResult, DirectStep, DirectUse, RepeatedChoices};
+use crate::direct::DirectUse;
 use crate::environment::Environment;
 use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
 use crate::record::{StepChoice, StepInput, StepLog};
-use crate::run::code::{CompiledProgram, NativeCompiler, NoNativeCode};
+use crate::run::code::{CompiledProgram, NativeCompiler};
 use crate::run::{RuleStopped, StepContext};
 use crate::scalar_updates;
 use crate::state::MachineState;
@@ -83,9 +83,6 @@ impl fmt::Debug for Step<'_> {
     }
 }
 
-/// Amount of work after which compiling the main rule to native code pays off; see [`STEP`].
-const WARM: u64 = 10_000;
-
 /// Work of a step. Each variable bound in the step adds 1.
 const STEP: u64 = 20;
 
@@ -103,12 +100,12 @@ pub struct Machine {
     pub(crate) rounds: u64,
     /// `true` once the initial state contains the values that depend on inputs.
     pub(crate) is_complete: bool,
-    back_end: BackEnd,
+    pub(crate) back_end: BackEnd,
     /// The compiler to native code; `None` in a build without one.
-    native_compiler: Option<&'static dyn NativeCompiler>,
-    /// Work done so far, in the unit of [`WARM`].
-    work: u64,
-    direct: DirectUse,
+    pub(crate) native_compiler: Option<&'static dyn NativeCompiler>,
+    /// Work done so far, in the unit of [`STEP`].
+    pub(crate) work: u64,
+    pub(crate) direct: DirectUse,
 }
 
 /// Buffers of a step, reused by the next one.
@@ -118,18 +115,18 @@ pub(crate) struct Scratch {
     pub record: StepLog,
     locals: Vec<Value>,
     stack: Vec<Value>,
-    before: Vec<Value>,
+    pub before: Vec<Value>,
     /// Number of steps and of atoms in the reserve before the last step.
-    begun_at: (u64, usize),
+    pub begun_at: (u64, usize),
     /// `true` if the last step wrote and replaced only scalars, so that no value needs to be
     /// dropped.
-    is_plain: bool,
+    pub is_plain: bool,
     /// `true` if a direct step used the buffers last.
-    is_direct: bool,
+    pub is_direct: bool,
     /// Coverage counters before a direct step.
-    counts_before: Vec<u64>,
+    pub counts_before: Vec<u64>,
     /// Choices of a direct rule that gave up, to be repeated.
-    missed: Vec<StepChoice>,
+    pub missed: Vec<StepChoice>,
     /// Records of a failed step that is being repeated; otherwise `None`.
     notes: Option<WitnessNotes>,
 }
@@ -137,7 +134,7 @@ pub(crate) struct Scratch {
 impl Scratch {
     /// Clears the buffers of the last step.
     #[inline]
-    fn begin(&mut self, now_ns: i64) {
+    pub fn begin(&mut self, now_ns: i64) {
         self.record.begin(now_ns);
         if self.is_plain {
             scalar_updates::forget(&mut self.before);
@@ -152,14 +149,14 @@ impl Scratch {
     }
 
     #[inline(never)]
-    fn save_counts(&mut self, count: usize) {
+    pub fn save_counts(&mut self, count: usize) {
         self.record.allocate_counts(count);
         self.counts_before.clone_from(&self.record.counts);
     }
 
     /// Clears the buffers after a direct step, which uses no others.
     #[inline]
-    fn begin_again(&mut self, now_ns: i64) {
+    pub fn begin_again(&mut self, now_ns: i64) {
         self.record.choices.clear();
         self.record.now_ns = now_ns;
         scalar_updates::forget(&mut self.before);
@@ -226,84 +223,10 @@ impl Machine {
         self.scratch.notes.take()
     }
 
-    /// Sets the compiler to native code. Without one, closures execute all steps.
-    pub fn set_native_compiler(&mut self, compiler: &'static dyn NativeCompiler) {
-        self.native_compiler = Some(compiler);
-    }
-
-    /// Notes that the state was changed other than by a step.
-    pub(crate) fn changed_outside(&mut self) {
-        self.direct.is_ready = false;
-    }
-
     /// Replaces the code.
     pub(crate) fn set_code(&mut self, code: CompiledProgram) {
         self.code = Arc::new(code);
         self.direct = DirectUse::default();
-    }
-
-    /// Selects the implementation of future steps. [`BackEnd::Native`] compiles immediately.
-    ///
-    /// # Errors
-    /// Native code is not available; closures execute the same steps.
-    pub fn set_back_end(&mut self, back_end: BackEnd) -> Result<(), NoNativeCode> {
-        self.back_end = back_end;
-        self.direct.is_ready = false;
-        match back_end {
-            BackEnd::Auto | BackEnd::Closures => Ok(()),
-            BackEnd::Native if self.has_direct() => Ok(()),
-            BackEnd::Native => self.compile_native(),
-        }
-    }
-
-    /// Returns the implementation of the next step: closures or native code.
-    pub fn back_end(&self) -> BackEnd {
-        let is_native = self.wants_native() && (self.has_direct() || self.compile_native().is_ok());
-        if is_native {
-            BackEnd::Native
-        } else {
-            BackEnd::Closures
-        }
-    }
-
-    #[inline]
-    fn wants_native(&self) -> bool {
-        match self.back_end {
-            BackEnd::Auto => self.work >= WARM,
-            BackEnd::Closures => false,
-            BackEnd::Native => true,
-        }
-    }
-
-    /// Returns `true` if native code executes the next step, with detours; compiles it once enough work was done.
-    #[inline]
-    fn is_native(&mut self) -> bool {
-        if !self.wants_native() {
-            return false;
-        }
-        (self.direct.is_refused || !self.has_direct()) && self.compile_native().is_ok()
-    }
-
-    /// Returns `true` if there is a direct rule; compiles it unless it is already compiled.
-    fn has_direct(&self) -> bool {
-        let compile = || {
-            let compiler = self.native_compiler?;
-            compiler.compile_direct(&self.program, &self.state.store.slots)
-        };
-        self.code.direct.get_or_init(compile).is_some()
-    }
-
-    /// Compiles the main rule to native code, unless it is already compiled.
-    #[inline]
-    fn compile_native(&self) -> Result<(), NoNativeCode> {
-        let compile = || match self.native_compiler {
-            Some(compiler) => compiler.compile(&self.program),
-            None => Err(NoNativeCode::NotBuilt),
-        };
-        match self.code.native.get_or_init(compile) {
-            Ok(_) => Ok(()),
-            Err(reason) => Err(*reason),
-        }
     }
 
     /// Returns the program that the machine executes.
@@ -381,128 +304,6 @@ impl Machine {
         Ok(self.last_step())
     }
 
-    /// Evaluates the rules of the next step without applying their updates: the state remains as it is, and so does the
-    /// number of steps. Requires [`Machine::can_revert`]. Returns the updates; [`Machine::last_step`] has the rest of the
-    /// record, without previous values. Invariants of the next state are not checked.
-    ///
-    /// Elements created by `extend` do not exist after the evaluation. Where [`Step::extended`] is not empty, a step is
-    /// necessary to reach the next state.
-    ///
-    /// # Errors
-    /// The step has no next state.
-    pub fn evaluate_step(
-        &mut self,
-        environment: &mut dyn Environment,
-        chooser: &mut dyn Chooser,
-        now_ns: i64,
-    ) -> Result<&[Update], Box<StepFault>> {
-        let is_direct = self.direct.is_ready || self.is_direct();
-        if is_direct && self.collects_directly(false, chooser, now_ns) {
-            return Ok(&self.scratch.updates.list);
-        }
-        let is_native = self.is_native();
-        let choices = &mut self.repeating(chooser);
-        self.collect(true, environment, choices, now_ns, |run| {
-            run.main_rule(is_native)
-        })?;
-        let (_, reserve) = self.scratch.begun_at;
-        if self.state.store.reserve.len() > reserve {
-            // locations of the new elements are forgotten before the next evaluation
-            self.state.store.reserve.truncate(reserve);
-        } else {
-            // accessed locations have no influence on later steps
-            self.state.commit();
-        }
-        Ok(&self.scratch.updates.list)
-    }
-
-    /// Returns `true` if the direct rule can be tried for the next step; compiles it once enough work was done.
-    fn is_direct(&mut self) -> bool {
-        let is_begun = self.is_complete && (self.steps > 0 || !self.program.needs_inputs());
-        if !is_begun || !self.wants_native() || self.direct.is_refused || !self.has_direct() {
-            return false;
-        }
-        if let Some(Some(rule)) = self.code.direct.get() {
-            self.direct.is_ready = rule.fits(&self.state.store.slots);
-        }
-        if !self.direct.is_ready {
-            self.direct.tried += 1;
-            self.direct.miss();
-        }
-        self.direct.is_ready
-    }
-
-    /// Collects the updates of a step directly and applies them if `applies` is set. Returns `false` if the rule gave up.
-    #[inline(always)]
-    fn collects_directly(&mut self, applies: bool, chooser: &mut dyn Chooser, now_ns: i64) -> bool {
-        let Some(Some(rule)) = self.code.direct.get() else {
-            return false;
-        };
-        self.direct.tried += 1;
-        self.scratch.begun_at = (self.steps, self.state.store.reserve.len());
-        if self.scratch.is_direct {
-            self.scratch.begin_again(now_ns);
-        } else {
-            self.scratch.begin(now_ns);
-            self.scratch.updates.begin(self.state.len());
-            self.state.forget_uncommitted();
-        }
-        let is_counted = !self.program.counted.is_empty();
-        if is_counted {
-            self.scratch.save_counts(self.program.counted.len());
-        }
-        let Scratch {
-            updates,
-            record,
-            before,
-            ..
-        } = &mut self.scratch;
-        let mut step = DirectStep {
-            slots: &mut self.state.store.slots,
-            updates,
-            before,
-            applies,
-            chooser,
-            record,
-        };
-        match rule.collect(&mut step) {
-            DirectResult::Scalars => {
-                (self.scratch.is_plain, self.scratch.is_direct) = (true, true);
-                true
-            }
-            DirectResult::Values => {
-                (self.scratch.is_plain, self.scratch.is_direct) = (false, false);
-                true
-            }
-            DirectResult::GaveUp => {
-                self.give_up(is_counted);
-                false
-            }
-        }
-    }
-
-    #[cold]
-    fn give_up(&mut self, is_counted: bool) {
-        self.direct.miss();
-        if is_counted {
-            std::mem::swap(
-                &mut self.scratch.record.counts,
-                &mut self.scratch.counts_before,
-            );
-        }
-        self.scratch.missed = std::mem::take(&mut self.scratch.record.choices);
-    }
-
-    /// Returns a chooser that first repeats the choices of a direct rule that gave up.
-    #[inline]
-    fn repeating<'c>(&mut self, chooser: &'c mut dyn Chooser) -> RepeatedChoices<'c> {
-        RepeatedChoices {
-            made: std::mem::take(&mut self.scratch.missed),
-            next: 0,
-            chooser,
-        }
-    }
-
     /// Evaluates rules in the current state and applies their updates. The first step also
     /// completes the initial state with its inputs and checks it.
     #[inline]
@@ -527,7 +328,7 @@ impl Machine {
 
     /// Evaluates rules in the current state and collects their updates.
     #[inline(always)]
-    fn collect(
+    pub(crate) fn collect(
         &mut self,
         is_step: bool,
         environment: &mut dyn Environment,

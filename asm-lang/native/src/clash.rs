@@ -10,8 +10,10 @@ use asmotion_ir::{
 };
 use asmotion_value::Value;
 
-/// Limits for the number of rules that are visited, and of updates of one function.
-const MAX_RULES: usize = 20_000;
+/// Limit for the number of rules of a native function, which bounds the time and the memory of its compilation.
+pub(crate) const MAX_RULES: usize = 4_000;
+
+/// Limit for the number of updates of one function.
 const MAX_SITES: usize = 1_000;
 
 /// What is known about a value.
@@ -39,9 +41,17 @@ struct Site {
     path: Vec<Passage>,
 }
 
-/// Returns, indexed by function, `true` if no step of the main rule updates a location of the function twice. Covers the
-/// updates that native code inlines; others are left to closures.
-pub(crate) fn clash_free(program: &Program, main: RoutineId) -> Vec<bool> {
+/// The result of the analysis.
+pub(crate) struct ClashAnalysis {
+    /// Indexed by function, `true` if no step of the main rule updates a location of the function twice. Covers the updates
+    /// that native code inlines; others are left to closures.
+    pub free: Vec<bool>,
+    /// Number of rules, with those of inlined macros; at most [`MAX_RULES`].
+    pub rules: usize,
+}
+
+/// Analyses the main rule of a program.
+pub(crate) fn analysed(program: &Program, main: RoutineId) -> ClashAnalysis {
     let mut search = Search {
         program,
         sites: Vec::new(),
@@ -60,7 +70,10 @@ pub(crate) fn clash_free(program: &Program, main: RoutineId) -> Vec<bool> {
     for (free, sites) in free.iter_mut().zip(&by_function) {
         *free &= sites.len() <= MAX_SITES && are_apart(sites);
     }
-    free
+    ClashAnalysis {
+        free,
+        rules: search.visited,
+    }
 }
 
 fn are_apart(sites: &[&Site]) -> bool {
@@ -198,14 +211,19 @@ impl Search<'_> {
                     self.routine(routine, Vec::new(), agent);
                 }
             }
-            RuleNode::Counted(_, rule) => self.rule(rule, locals, agent),
+            RuleNode::Counted(_, rule) | RuleNode::While { body: rule, .. } => {
+                self.rule(rule, locals, agent);
+            }
+            RuleNode::Seq(rules) => {
+                for rule in rules {
+                    self.rule(rule, locals, agent);
+                }
+            }
             RuleNode::Skip
             | RuleNode::Assign(..)
             | RuleNode::Run(..)
-            | RuleNode::Seq(_)
             | RuleNode::Extend(..)
             | RuleNode::Watched(_)
-            | RuleNode::While { .. }
             | RuleNode::Local { .. }
             | RuleNode::Draw(..)
             | RuleNode::Act(..) => {}

@@ -3,7 +3,7 @@
 //! A direct rule needs neither the context of a step nor its counters: the numbers of bindings, calls and updates are
 //! bounded when it is compiled. Functions whose locations are updated at most once need no marks.
 
-use crate::clash::clash_free;
+use crate::clash::{MAX_RULES, analysed};
 use crate::compile::{emitted, module};
 use crate::direct_frame::{self, DirectEntry, DirectFrame};
 use crate::emit::{Emitter, KnownValue, Ssa};
@@ -72,15 +72,18 @@ pub(crate) fn compile_direct(program: &Program, slots: &[Value]) -> Option<Box<d
     if program.compatible || program.messages.is_some() || assumes {
         return None;
     }
-    let mut module = module()?;
-    let free = clash_free(program, main);
+    let analysis = analysed(program, main);
+    if analysis.rules >= MAX_RULES {
+        return None;
+    }
+    let mut module = module(analysis.rules)?;
     let facts = Arc::new(ValueFacts::of(program, slots));
     let mut updates = None;
     let function = emitted(
         program,
         main,
         &mut module,
-        |emitter| emitter.set_direct(free, facts.clone()),
+        |emitter| emitter.set_direct(analysis.free, facts.clone()),
         |rule| {
             updates = rule.direct.as_ref().and_then(DirectCode::updates);
             rule.is_whole && updates.is_some()
@@ -168,8 +171,11 @@ impl Emitter<'_> {
         }
         let previous = self.load(self.memory.slots, I64X2, place, 0);
         self.store(self.memory.locals, previous, before, 0);
-        let value = self.load(self.memory.updates, I64X2, update, at::UPDATE_VALUE);
-        self.store(self.memory.slots, value, place, 0);
+        for offset in [0, at::PAYLOAD] {
+            // not in one load: it would wait for both stores
+            let word = self.load(self.memory.updates, I64, update, at::UPDATE_VALUE + offset);
+            self.store(self.memory.slots, word, place, offset);
+        }
         let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
         let next_before = self.builder.ins().iadd_imm_s(before, at::VALUE_SIZE);
         let is_last = self.builder.ins().icmp(IntCC::Equal, next, end);
@@ -259,8 +265,12 @@ impl Emitter<'_> {
         direct.holds_scalars &= direct.facts.get(located.function).is_scalar();
         let free = direct.clash_free.get(located.function.0 as usize);
         let is_free = free.copied().unwrap_or(false);
-        let slot = self.slot(located);
-        if !is_free {
+        let constant = located.constant();
+        let slot = match constant {
+            Some(_) if is_free => None,
+            Some(_) | None => Some(self.slot(located)),
+        };
+        if !is_free && let Some(slot) = slot {
             let mark = self.mark(slot);
             let of = self.load(self.memory.updates, I32, mark, at::MARK_EPOCH);
             let epoch = self.field(I32, at::EPOCH);
@@ -269,9 +279,20 @@ impl Emitter<'_> {
             self.store(self.memory.updates, epoch, mark, at::MARK_EPOCH);
         }
         let update = self.builder.use_var(next_update);
-        let slot = self.builder.ins().ireduce(I32, slot);
+        let slot = match (constant, slot) {
+            (None, Some(slot)) => self.builder.ins().ireduce(I32, slot),
+            (constant, _) => self.number(I32, constant.unwrap_or_default()),
+        };
         self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
-        self.put_update(update, value, origin);
+        let origin = self.number(I32, i64::from(origin.0));
+        self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
+        if let Some((tag, payload)) = self.tag_and_payload(value) {
+            // two stores, which the end of the rule loads as they were stored
+            let tag = self.number(I64, i64::from(tag));
+            self.store(self.memory.updates, tag, update, at::UPDATE_VALUE);
+            let place = at::UPDATE_VALUE + at::PAYLOAD;
+            self.store(self.memory.updates, payload, update, place);
+        }
         let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
         self.builder.def_var(next_update, next);
         true

@@ -1,5 +1,6 @@
 //! The function under construction: blocks, memory accesses and exits.
 
+use crate::clash::MAX_RULES;
 use crate::detour::Detour;
 use crate::direct::DirectCode;
 use crate::frame::{at, out, pack_call_position};
@@ -26,9 +27,6 @@ pub(crate) struct Loops {
     /// For each loop, the number of completed iterations and of bindings in each iteration.
     pub rounds: Vec<(Ssa, u64)>,
 }
-
-/// Limit for the number of rules in the function; macros beyond it are not inlined.
-const MAX_RULES: u32 = 20_000;
 
 /// An integer in a register, with its known bounds.
 #[derive(Clone, Copy)]
@@ -168,7 +166,7 @@ pub(crate) struct Emitter<'a> {
     pub loops: Vec<Loops>,
     /// The routines that are being inlined, outermost first.
     pub inlined: Vec<RoutineId>,
-    /// Number of rules that may still be inlined.
+    /// Number of rules that may still be generated; macros beyond it are not inlined.
     room: u32,
     detours: Vec<Detour>,
     locals: u32,
@@ -276,7 +274,7 @@ impl<'a> Emitter<'a> {
             mode: UpdateMode::Step,
             loops: Vec::new(),
             inlined: Vec::new(),
-            room: MAX_RULES,
+            room: MAX_RULES as u32,
             detours: Vec::new(),
             locals: 0,
             direct: None,
@@ -460,6 +458,17 @@ impl<'a> Emitter<'a> {
         if let Some(done) = done {
             self.begin(done);
         }
+    }
+
+    /// Generates a unit of code that continues only at its end.
+    pub fn straight_unit(
+        &mut self,
+        counts: bool,
+        native: impl FnOnce(&mut Self),
+        detour: impl FnOnce(&mut Self),
+    ) {
+        let done = self.direct.is_none().then(|| self.block());
+        self.unit(counts, native, detour, done);
     }
 
     pub fn bindings(&mut self) -> Ssa {

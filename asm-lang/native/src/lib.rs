@@ -21,6 +21,7 @@ mod memory;
 mod rule;
 mod sequence;
 mod static_analysis;
+mod switch;
 mod term;
 mod truth;
 mod value_facts;

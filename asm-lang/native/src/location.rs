@@ -25,6 +25,13 @@ pub(crate) struct Located {
     pub is_lazy: bool,
 }
 
+impl Located {
+    /// Returns the number of the slot if it is constant.
+    pub fn constant(&self) -> Option<i64> {
+        self.index.is_none().then_some(self.base)
+    }
+}
+
 impl Emitter<'_> {
     /// Generates the address of the location that a term denotes, if native code supports it.
     pub fn place_of(&mut self, term: &Term) -> Option<Located> {

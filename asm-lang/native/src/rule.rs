@@ -8,7 +8,6 @@ use asmotion_ir::{
     AssignTarget, Binder, IntegerInterval, Local, Origin, RoutineId, Rule, RuleNode, Term, TermNode,
 };
 use asmotion_machine::back_end::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
-use asmotion_value::Value;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder, Type};
@@ -102,7 +101,6 @@ impl Emitter<'_> {
                 self.any_counts(arguments.iter().chain([value]))
             }
         };
-        let done = self.block();
         let native = |this: &mut Self| {
             let value = this.scalar(value);
             if let Some(target) = this.target(place) {
@@ -110,7 +108,7 @@ impl Emitter<'_> {
                 this.write(&target, value, rule.origin);
             }
         };
-        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+        self.straight_unit(counts, native, |this| this.rule_outside(rule));
     }
 
     fn par(&mut self, rule: &Rule, rules: &[Rule]) {
@@ -146,52 +144,11 @@ impl Emitter<'_> {
         self.begin(done);
     }
 
-    /// Generates code for `switch`, comparing the subject with constant cases in order.
-    fn switch(&mut self, rule: &Rule, subject: &Term, cases: &[(Term, Rule)], otherwise: &Rule) {
-        let is_constant = |(case, _): &(Term, Rule)| matches!(*case.node, TermNode::Constant(_));
-        if !self.is_native(subject) || !cases.iter().all(is_constant) {
-            return self.rule_outside(rule);
-        }
-        let done = self.block();
-        let native = |this: &mut Self| {
-            let subject = this.scalar(subject);
-            for (case, rule) in cases {
-                let Some(same) = this.is_case(subject, case) else {
-                    continue;
-                };
-                let (here, next) = (this.block(), this.block());
-                this.branch(same, here, next);
-                this.begin(here);
-                this.conditionally(|this| this.rule(rule));
-                this.jump(done);
-                this.begin(next);
-            }
-            this.conditionally(|this| this.rule(otherwise));
-        };
-        let counts = self.any_counts([subject]);
-        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
-    }
-
-    /// Generates the comparison of a subject with a case; `None` if they can never be equal.
-    fn is_case(&mut self, subject: KnownValue, case: &Term) -> Option<Ssa> {
-        let TermNode::Constant(value) = &*case.node else {
-            return None;
-        };
-        let (subject, value) = match (subject, value) {
-            (KnownValue::Int(int), Value::Int(number)) => (int.value, *number),
-            (KnownValue::Atom(known), Value::Atom(atom)) => (known.value, i64::from(atom.0)),
-            (KnownValue::Bool(known), Value::Bool(truth)) => (known, i64::from(*truth)),
-            _ => return None,
-        };
-        Some(self.compare(IntCC::Equal, subject, value))
-    }
-
     fn bound(&mut self, rule: &Rule, bindings: &[(Local, Term)], body: &Rule) {
         let mut terms = bindings.iter().map(|(_, term)| term);
         if !terms.all(|term| is_repeatable(self.program, term)) {
             return self.rule_outside(rule);
         }
-        let done = self.block();
         let native = |this: &mut Self| {
             let base = this.scope.base;
             for (local, term) in bindings {
@@ -200,7 +157,7 @@ impl Emitter<'_> {
             this.rule(body);
         };
         let counts = self.any_counts(bindings.iter().map(|(_, term)| term));
-        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+        self.straight_unit(counts, native, |this| this.rule_outside(rule));
     }
 
     /// Evaluates an argument to a register, or to the local at `place`.
@@ -224,7 +181,6 @@ impl Emitter<'_> {
         if !may_be {
             return self.rule_outside(rule);
         }
-        let done = self.block();
         let native = |this: &mut Self| {
             let base = this.inner_base();
             this.reserve_locals(base + arguments.len() as u32);
@@ -240,7 +196,7 @@ impl Emitter<'_> {
             this.leave(outer);
         };
         let counts = self.any_counts(arguments);
-        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+        self.straight_unit(counts, native, |this| this.rule_outside(rule));
     }
 
     /// Counts a call; leaves for the detour if there were too many.
@@ -279,7 +235,6 @@ impl Emitter<'_> {
             return self.rule_outside(rule);
         };
         let called = &self.program.routines[routine.0 as usize];
-        let done = self.block();
         let native = |this: &mut Self| {
             this.count_call();
             let before = this.direct.is_none().then(|| this.set_agent(agent));
@@ -291,7 +246,7 @@ impl Emitter<'_> {
                 this.reset_agent(before);
             }
         };
-        self.unit(false, native, |this| this.rule_outside(rule), Some(done));
+        self.straight_unit(false, native, |this| this.rule_outside(rule));
     }
 
     /// Stores the running agent where closures find it, and returns the previous one. That is an atom or undef, so it can
@@ -337,7 +292,6 @@ impl Emitter<'_> {
         } else {
             Counting::Together
         };
-        let done = self.block();
         let native = |this: &mut Self| {
             this.each(&spans, counting, &mut |this, next| {
                 this.guarded(guard, next);
@@ -348,7 +302,7 @@ impl Emitter<'_> {
                 this.jump(next);
             });
         };
-        self.unit(false, native, |this| this.rule_outside(rule), Some(done));
+        self.straight_unit(false, native, |this| this.rule_outside(rule));
     }
 
     /// Continues only if the guard holds; otherwise jumps.

@@ -64,7 +64,6 @@ impl Emitter<'_> {
             self.layer(|this| rules.iter().for_each(|rule| this.rule(rule)));
             return;
         };
-        let done = self.block();
         let counts = self.any_counts(updates.iter().map(|update| update.value));
         let native = |this: &mut Self| {
             let mut values: Vec<KnownValue> = Vec::new();
@@ -82,7 +81,7 @@ impl Emitter<'_> {
                 }
             }
         };
-        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+        self.straight_unit(counts, native, |this| this.rule_outside(rule));
     }
 
     /// Returns the updates that the rules consist of, if their slots are distinct.

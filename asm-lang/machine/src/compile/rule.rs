@@ -45,6 +45,7 @@ impl StoreTarget {
 impl Compiler<'_> {
     /// Compiles a rule to code that collects its updates.
     pub fn rule(&self, rule: &Rule) -> RuleCode {
+        self.rules.set(self.rules.get() + 1);
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.rule_here(rule))
     }
 

@@ -7,6 +7,7 @@ use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::Value;
 use std::fmt;
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
 
 /// A compiled term: a closure that returns its value.
 pub type TermCode = Box<dyn Fn(&mut StepContext<'_>) -> Value + Send + Sync>;
@@ -37,6 +38,10 @@ pub(crate) struct CompiledProgram {
     pub native: OnceLock<Result<Box<dyn NativeRule>, NoNativeCode>>,
     /// The main rule as native code for whole steps; `None` if it is not suitable.
     pub direct: OnceLock<Option<Box<dyn DirectRule>>>,
+    /// `true` once a thread compiles the main rule: for direct steps, and with detours.
+    pub is_compiling: [AtomicBool; 2],
+    /// Number of rules.
+    pub rules: u64,
 }
 
 /// Compiles main rules to native code. The implementing crate depends on the machine, which only
