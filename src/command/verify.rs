@@ -5,6 +5,7 @@ mod input_values;
 mod json;
 mod options;
 mod progress;
+mod run;
 mod show;
 mod system;
 mod words;
@@ -44,6 +45,16 @@ pub struct Verify {
     /// Values of an input, instead of all those of its domain, as in `distance=0,9,10`
     #[arg(long, value_name = "FUNCTION=VALUE,…")]
     values: Vec<String>,
+
+    /// Considers only runs that are weakly fair to this rule, or to each element of this domain, besides those of `//@Fair`: if
+    /// it can move from some point on in every state, it moves again and again
+    #[arg(long, value_name = "RULE|DOMAIN")]
+    fair: Vec<String>,
+
+    /// Considers only runs that are strongly fair to this rule, or to each element of this domain, besides those of
+    /// `//@StronglyFair`: if it can move again and again, it does
+    #[arg(long, value_name = "RULE|DOMAIN")]
+    strongly_fair: Vec<String>,
 
     /// Initial state to start from [default: the default one]
     #[arg(long, value_name = "NAME")]

@@ -7,7 +7,7 @@ use crate::environment::Environment;
 use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
-use crate::record::{StepChoice, StepInput, StepLog};
+use crate::record::{ChosenCandidate, StepChoice, StepInput, StepLog};
 use crate::run::code::{CompiledProgram, NativeCompiler};
 use crate::run::{RuleStopped, StepContext};
 use crate::scalar_updates;
@@ -39,6 +39,11 @@ impl<'a> Step<'a> {
     /// Returns the choices, in order.
     pub fn choices(self) -> &'a [StepChoice] {
         &self.machine.scratch.record.choices
+    }
+
+    /// Returns the candidates that `choose` rules took, in order, after [`Machine::keep_candidates`]; otherwise none.
+    pub fn candidates(self) -> &'a [ChosenCandidate] {
+        &self.machine.scratch.record.candidates
     }
 
     /// Returns the update set, in the order in which the rules produced it.
@@ -168,7 +173,14 @@ impl Scratch {
 impl Clone for Scratch {
     /// Creates empty buffers: their contents do not outlive a step.
     fn clone(&self) -> Self {
-        Self::default()
+        let record = StepLog {
+            keeps_candidates: self.record.keeps_candidates,
+            ..StepLog::default()
+        };
+        Self {
+            record,
+            ..Self::default()
+        }
     }
 }
 
@@ -213,9 +225,15 @@ impl Machine {
         }
     }
 
-    /// Starts recording the way to this fault; requires recording code.
-    pub(crate) fn watch(&mut self, fault: &StepFault) {
-        self.scratch.notes = Some(WitnessNotes::for_fault(fault));
+    /// Keeps the candidates that `choose` rules take: see [`Step::candidates`]. Closures execute all steps from now on.
+    pub fn keep_candidates(&mut self) {
+        self.scratch.record.keeps_candidates = true;
+        self.back_end = BackEnd::Closures;
+    }
+
+    /// Starts recording; requires recording code.
+    pub(crate) fn watch(&mut self, notes: WitnessNotes) {
+        self.scratch.notes = Some(notes);
     }
 
     /// Returns the records and ends recording.
@@ -426,6 +444,12 @@ impl Machine {
         let record = &self.scratch.record;
         let counters = 0..self.program.counted.len() as u32;
         counters.map(|counter| record.counted(counter)).collect()
+    }
+
+    /// Returns one of the coverage counts.
+    #[inline]
+    pub fn count(&self, counter: u32) -> u64 {
+        self.scratch.record.counted(counter)
     }
 
     /// Applies the update set to the state.

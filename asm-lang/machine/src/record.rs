@@ -25,11 +25,27 @@ pub struct StepChoice {
     pub count: usize,
 }
 
+/// The candidate that a `choose` rule took in a step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChosenCandidate {
+    /// Index of the choice among those of the step, from 0; `None` if the choice was not recorded, because there was only
+    /// one way to make it.
+    pub choice: Option<usize>,
+    /// Place of the `choose` rule.
+    pub origin: Origin,
+    /// Values of the variables, in the order of their declaration.
+    pub values: Vec<Value>,
+}
+
 /// The log of the current step, and the coverage counts of all steps.
 #[derive(Debug, Default)]
 pub(crate) struct StepLog {
     pub inputs: Vec<StepInput>,
     pub choices: Vec<StepChoice>,
+    /// `true` to keep the chosen candidates.
+    pub keeps_candidates: bool,
+    /// The chosen candidates of `choose` rules, if they are kept, in order of choosing.
+    pub candidates: Vec<ChosenCandidate>,
     /// Values picked from outside, with the place of the variable's range.
     pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,
@@ -105,6 +121,7 @@ impl StepLog {
     #[inline]
     pub fn begin(&mut self, now_ns: i64) {
         self.choices.clear();
+        self.candidates.clear();
         // one test for all: most steps of a fast machine have none of these
         let kept = self.inputs.len()
             | self.picked.len()

@@ -1,4 +1,4 @@
-//! Explanations of failed steps.
+//! Explanations of failed steps, and accounts of successful ones.
 //!
 //! A step records nothing about its evaluation, for speed. A step that fails is therefore repeated
 //! from its initial state, with the same inputs and choices, by code that records every read and
@@ -10,7 +10,7 @@ use crate::fault::{FaultKind, StepFault};
 use crate::machine::Machine;
 use crate::record::StepChoice;
 use crate::run::code::CompiledProgram;
-use crate::witness_notes::Witness;
+use crate::witness_notes::{StepAccount, Witness, WitnessNotes};
 use asmotion_ir::{FunctionId, Origin, Program};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ impl Witness {
     /// Explains why the initial state of a program could not be computed.
     pub fn initially(program: &Arc<Program>, fault: &StepFault) -> Option<Self> {
         let mut again = Machine::uninitialised(program.clone(), CompiledProgram::watched(program));
-        again.watch(fault);
+        again.watch(WitnessNotes::for_fault(fault));
         let failed = again.initialise().err();
         again.take_witness(fault, failed)
     }
@@ -34,15 +34,7 @@ impl Machine {
             return None;
         }
         let last = self.last_step();
-        let inputs = last.inputs().iter().filter_map(|input| {
-            let location = self.state().location(self.program(), input.slot)?;
-            Some((location, input.value.clone()))
-        });
-        let mut inputs = ReplayInputs {
-            known: inputs.collect(),
-            refused: String::new(),
-            source: String::new(),
-        };
+        let mut inputs = self.inputs_again();
         if let FaultKind::Input { reason, .. } = &fault.kind {
             inputs.refused.clone_from(reason);
         }
@@ -57,13 +49,9 @@ impl Machine {
             inputs.known.extend(location.map(|at| (at, value)));
             inputs.source.clone_from(source);
         }
-        let mut choices = ReplayChoices {
-            choices: last.choices(),
-            picked: self.picked(),
-            next: 0,
-        };
+        let mut choices = self.choices_again();
         let mut again = self.recompiled(CompiledProgram::watched(self.program()));
-        again.watch(fault);
+        again.watch(WitnessNotes::for_fault(fault));
         let done = fault.step > 0 && fault.step == last.number();
         let failed = if done {
             // the step itself succeeded, but its new state violates an invariant
@@ -74,6 +62,43 @@ impl Machine {
             again.step(&mut inputs, &mut choices, last.now_ns()).err()
         };
         again.take_witness(fault, failed)
+    }
+
+    /// Returns how the last step came to its updates. `before` is the machine before that step. `None` if the step failed or
+    /// cannot be repeated.
+    pub fn account(&self, before: &Self) -> Option<StepAccount> {
+        let mut inputs = self.inputs_again();
+        let mut choices = self.choices_again();
+        let mut again = before.recompiled(CompiledProgram::watched(before.program()));
+        again.watch(WitnessNotes::for_step());
+        let now_ns = self.last_step().now_ns();
+        again.step(&mut inputs, &mut choices, now_ns).ok()?;
+        let is_same = again.last_step().updates() == self.last_step().updates();
+        let notes = again.notes().filter(|_| is_same)?;
+        Some(notes.into_account())
+    }
+
+    /// Returns the inputs of the last step.
+    fn inputs_again(&self) -> ReplayInputs {
+        let last = self.last_step();
+        let inputs = last.inputs().iter().filter_map(|input| {
+            let location = self.state().location(self.program(), input.slot)?;
+            Some((location, input.value.clone()))
+        });
+        ReplayInputs {
+            known: inputs.collect(),
+            refused: String::new(),
+            source: String::new(),
+        }
+    }
+
+    /// Returns the choices of the last step.
+    fn choices_again(&self) -> ReplayChoices<'_> {
+        ReplayChoices {
+            choices: self.last_step().choices(),
+            picked: self.picked(),
+            next: 0,
+        }
     }
 
     /// Returns the records if the repetition ended with the same fault, or in the same endless

@@ -32,8 +32,15 @@ impl Witness {
     pub const ROUNDS: u32 = 10_000;
 }
 
+/// How a step came to its updates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepAccount {
+    /// The updates, each with the rules and calls that led to it, outermost first.
+    pub updates: Vec<(Update, Vec<PathEntry>)>,
+}
+
 /// The records while a step is repeated.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct WitnessNotes {
     /// The way to the current position.
     path: Vec<PathEntry>,
@@ -43,6 +50,8 @@ pub(crate) struct WitnessNotes {
     writers: Vec<(Update, Vec<PathEntry>)>,
     /// `true` if the fault is an endless loop.
     endless: bool,
+    /// The way to every update, if the step is to be accounted for.
+    account: Option<StepAccount>,
 }
 
 impl WitnessNotes {
@@ -66,7 +75,20 @@ impl WitnessNotes {
             failed: Vec::new(),
             writers,
             endless: matches!(fault.kind, FaultKind::Endless(_)),
+            account: None,
         }
+    }
+
+    /// Records the way to every update.
+    pub fn for_step() -> Self {
+        Self {
+            account: Some(StepAccount::default()),
+            ..Self::default()
+        }
+    }
+
+    pub fn into_account(self) -> StepAccount {
+        self.account.unwrap_or_default()
     }
 
     /// Returns the limit for loop iterations.
@@ -110,6 +132,16 @@ impl WitnessNotes {
             if wanted == update {
                 path.clone_from(&self.path);
             }
+        }
+        // rules around the update see it, too
+        let is_here = self
+            .path
+            .last()
+            .is_some_and(|it| it.origin == update.origin);
+        if let Some(account) = self.account.as_mut().filter(|_| is_here)
+            && !account.updates.iter().any(|(known, _)| known == update)
+        {
+            account.updates.push((update.clone(), self.path.clone()));
         }
     }
 

@@ -12,6 +12,7 @@ pub(crate) mod m009;
 pub(crate) mod m010;
 pub(crate) mod m011;
 pub(crate) mod m012;
+pub(crate) mod m020;
 
 use asmotion_diagnostics::{Code, Span};
 use asmotion_lang::Specification;
@@ -30,6 +31,7 @@ pub const CODES: &[&Code] = &[
     m010::NothingProvided::CODE,
     m011::MailboxOverflow::CODE,
     m012::SeveralMachines::CODE,
+    m020::UnknownFairName::CODE,
 ];
 
 /// Returns the place of the main rule.

@@ -2,9 +2,13 @@
 
 use crate::decisions::{Decision, Decisions};
 use crate::explore::Exploration;
+use crate::fair_moves::{CountsBefore, FairMoves, MovedSet};
+use crate::guards::{RunGuard, chosen_variables, guards_of};
+use crate::named_value::NamedValue;
 use crate::system::VerifiedMachine;
 use crate::transition::{MachineFault, TransitionSystem};
 use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_lang::ir::Slot;
 use asmotion_lang::simulate::{Trace, location, sent};
 use asmotion_lang::{Machine, Value};
 
@@ -21,8 +25,23 @@ pub struct Run {
     pub cycle: Option<usize>,
     /// Inputs in the last state that the property mentions.
     pub inputs: Vec<(String, String)>,
+    /// A term that is false in the last state, if that alone violates the property.
+    pub violated: Option<String>,
+    /// The states before the first and after each transition that succeeds, sorted by machine and location, if they are kept.
+    pub states: Vec<Vec<LocationValue>>,
     /// For each machine, the run in the format of `asmotion sim --trace`, which `asmotion sim --replay-inputs` repeats.
     pub traces: Vec<String>,
+}
+
+/// A location with its value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocationValue {
+    /// Name of the function; in a system of several machines with that of the machine, as in `courier.mode`.
+    pub function: String,
+    /// Arguments of the location.
+    pub arguments: Vec<NamedValue>,
+    /// Value of the location.
+    pub value: NamedValue,
 }
 
 /// A step of a run.
@@ -35,14 +54,27 @@ pub struct RunStep {
     pub transition: usize,
     /// Inputs that the step read, in order.
     pub inputs: Vec<(String, String)>,
-    /// Choices: index, number of candidates, and place.
-    pub choices: Vec<(usize, usize, Span)>,
+    /// Choices, in order.
+    pub choices: Vec<RunChoice>,
     /// Updates that change a location, sorted by location.
     pub updates: Vec<RunUpdate>,
     /// What happened to messages before and after the step.
     pub messages: Vec<String>,
     /// The reason for which the step fails.
     pub fault: Option<Box<Diagnostic>>,
+}
+
+/// A choice of a step.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunChoice {
+    /// Index of the candidate, from 0.
+    pub index: usize,
+    /// Number of candidates.
+    pub count: usize,
+    /// The variables of a `choose` rule with their values.
+    pub values: Vec<(String, String)>,
+    /// Place of the `choose` rule or term.
+    pub place: Span,
 }
 
 /// A change of a location.
@@ -56,14 +88,18 @@ pub struct RunUpdate {
     pub after: String,
     /// Place of the update rule.
     pub place: Span,
+    /// The guards on the way to the update rule, outermost first.
+    pub guards: Vec<RunGuard>,
 }
 
 /// A path through the nodes of an exploration.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodePath {
     pub nodes: Vec<u32>,
-    /// Labels of the transitions, as far as they matter.
-    pub labels: Vec<Option<u32>>,
+    /// Decisions of the steps between the nodes, if they are known; otherwise the first ones that lead there.
+    pub decisions: Vec<Vec<Decision>>,
+    /// What the steps move, of the agents and rules to which fairness is due, if it matters.
+    pub moved: Vec<MovedSet>,
     /// Index of the node to which the last one leads back.
     pub cycle: Option<usize>,
     /// Decisions of a step that fails in the last node.
@@ -75,9 +111,7 @@ impl NodePath {
     pub fn to(exploration: &Exploration, node: u32) -> Self {
         Self {
             nodes: exploration.path(node),
-            labels: Vec::new(),
-            cycle: None,
-            failing: None,
+            ..Self::default()
         }
     }
 }
@@ -88,12 +122,15 @@ pub(crate) struct Replay<'a, S> {
     pub exploration: &'a Exploration,
     /// System in the initial state.
     pub system: &'a S,
+    pub fair: &'a FairMoves,
+    pub keeps_states: bool,
 }
 
 impl<S: TransitionSystem> Replay<'_, S> {
     /// Executes a path.
     pub fn run(&self, path: &NodePath) -> Run {
         let mut system = self.system.clone();
+        system.keep_candidates();
         let begin = |machine| Trace::begin(machine, "a run that `asmotion verify` found");
         let mut traces: Vec<Trace> = system.machines().iter().map(begin).collect();
         let mut run = Run {
@@ -106,12 +143,14 @@ impl<S: TransitionSystem> Replay<'_, S> {
         if let Some(first) = path.nodes.first() {
             self.begin(&mut system, *first, &mut traces, &mut run);
         }
+        run.states = self.state(&system);
         for (index, (from, to)) in path.nodes.iter().zip(ends).enumerate() {
             if path.cycle == Some(index) {
                 run.cycle = Some(run.steps.len());
             }
-            let label = path.labels.get(index).copied().flatten();
-            let Some(decisions) = self.decisions(*from, *to, label) else {
+            let known = path.decisions.get(index).cloned();
+            let moved = path.moved.get(index).copied();
+            let Some(decisions) = known.or_else(|| self.decisions(*from, *to, moved)) else {
                 break;
             };
             self.step(&mut system, *from, &decisions, &mut traces, &mut run);
@@ -147,6 +186,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
     /// Enters an initial state. The steps of an environment are part of the first transition.
     fn begin(&self, system: &mut S, node: u32, traces: &mut [Trace], run: &mut Run) {
         let wanted = self.exploration.state(node);
+        let machines = system.machines().to_vec();
         let mut before = Vec::new();
         system.pack(&mut before);
         let decisions = Decisions::default();
@@ -162,22 +202,28 @@ impl<S: TransitionSystem> Replay<'_, S> {
         }
         let moved = system.moved().iter();
         if moved.clone().all(|index| system.prepares_next(*index)) {
-            self.show(system, 0, None, traces, run);
+            self.show(system, &machines, (0, None), traces, run);
         }
     }
 
-    /// Returns the first decisions that lead from a node to another, by a transition with this label.
-    fn decisions(&self, from: u32, to: u32, label: Option<u32>) -> Option<Vec<Decision>> {
+    /// Returns the first decisions that lead from a node to another, by a transition that moves this.
+    fn decisions(&self, from: u32, to: u32, wanted: Option<MovedSet>) -> Option<Vec<Decision>> {
         let mut system = self.system.clone();
+        if self.fair.has_agents() {
+            system.keep_candidates();
+        }
         let (from_state, to_state) = (self.exploration.state(from), self.exploration.state(to));
         let decisions = Decisions::default();
+        let mut counts = CountsBefore::default();
         let mut packed = Vec::new();
         loop {
             system.restore(from_state);
+            self.fair.before(&system, &mut counts);
             let done = system.step(&decisions, self.exploration.inputs(from));
             packed.clear();
             system.pack(&mut packed);
-            let is_meant = label.is_none_or(|label| system.label() == label);
+            let moved = self.fair.moved(&system, &counts, packed != from_state);
+            let is_meant = wanted.is_none_or(|wanted| wanted == moved);
             if done.is_ok() && packed == to_state && is_meant {
                 return Some(decisions.taken());
             }
@@ -198,21 +244,25 @@ impl<S: TransitionSystem> Replay<'_, S> {
     ) -> Option<MachineFault> {
         let decisions = Decisions::default();
         decisions.repeat(taken);
+        let before = system.machines().to_vec();
         let done = system.step(&decisions, self.exploration.inputs(node));
         let fault = done.err();
+        if fault.is_none() {
+            run.states.extend(self.state(system));
+        }
         let steps = run.steps.iter();
-        let before = steps.filter(|step| !system.prepares_next(step.machine));
-        let transition = before.map(|step| step.transition).max().unwrap_or(0) + 1;
-        self.show(system, transition, fault.as_ref(), traces, run);
+        let earlier = steps.filter(|step| !system.prepares_next(step.machine));
+        let transition = earlier.map(|step| step.transition).max().unwrap_or(0) + 1;
+        self.show(system, &before, (transition, fault.as_ref()), traces, run);
         fault
     }
 
-    /// Appends the steps that the system has made to a run.
+    /// Appends the steps that the system has made to a run. `before` are the machines before the transition.
     fn show(
         &self,
         system: &S,
-        transition: usize,
-        fault: Option<&MachineFault>,
+        before: &[Machine],
+        (transition, fault): (usize, Option<&MachineFault>),
         traces: &mut [Trace],
         run: &mut Run,
     ) {
@@ -231,6 +281,9 @@ impl<S: TransitionSystem> Replay<'_, S> {
             let transition = transition + usize::from(system.prepares_next(index));
             let mut step = self.shown(index, machine, transition, fault);
             step.messages.append(&mut events);
+            if let Some(before) = before.get(index) {
+                self.add_guards(&mut step, machine, before);
+            }
             run.steps.push(step);
         }
     }
@@ -249,8 +302,21 @@ impl<S: TransitionSystem> Replay<'_, S> {
         let step = machine.last_step();
         let inputs = step.inputs().iter();
         let inputs = inputs.map(|input| (location(machine, input.slot), show(&input.value)));
-        let choices = step.choices().iter();
-        let choices = choices.map(|it| (it.index, it.count, place(it.origin)));
+        let choices = step.choices().iter().enumerate();
+        let choices = choices.map(|(number, choice)| {
+            let place = place(choice.origin);
+            let variables = specification.map(|known| chosen_variables(known, place));
+            let mut candidates = step.candidates().iter();
+            let candidate = candidates.find(|it| it.choice == Some(number));
+            let values = candidate.map(|it| it.values.as_slice()).unwrap_or_default();
+            let values = variables.unwrap_or_default().into_iter().zip(values);
+            RunChoice {
+                index: choice.index,
+                count: choice.count,
+                values: values.map(|(name, value)| (name, show(value))).collect(),
+                place,
+            }
+        });
         let mut updates: Vec<RunUpdate> = Vec::new();
         for (update, before) in step.updates().iter().zip(step.before()) {
             if update.value != *before {
@@ -259,6 +325,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
                     before: show(before),
                     after: show(&update.value),
                     place: place(update.origin),
+                    guards: Vec::new(),
                 });
             }
         }
@@ -278,6 +345,25 @@ impl<S: TransitionSystem> Replay<'_, S> {
         }
     }
 
+    /// Adds the guards of the updates of a step. `before` is the machine before the step.
+    fn add_guards(&self, step: &mut RunStep, machine: &Machine, before: &Machine) {
+        let specification = self
+            .machines
+            .get(step.machine)
+            .map(|known| &known.specification);
+        let (Some(account), Some(specification)) = (machine.account(before), specification) else {
+            return;
+        };
+        let naming = machine.naming();
+        let show = |value: &Value| value.show(&naming).to_string();
+        for update in machine.last_step().updates() {
+            let name = location(machine, update.slot);
+            if let Some(known) = step.updates.iter_mut().find(|it| it.location == name) {
+                known.guards = guards_of(specification, &account, update, &show);
+            }
+        }
+    }
+
     /// Returns the locations of the specifications that rules update, with their values.
     fn locations(&self, system: &S) -> Vec<(String, String)> {
         let machines = system.machines().iter().enumerate();
@@ -286,6 +372,35 @@ impl<S: TransitionSystem> Replay<'_, S> {
             locations.map(move |(name, value)| (self.qualified(index, name), value))
         });
         all.collect()
+    }
+
+    /// Returns the state, if states are kept.
+    fn state(&self, system: &S) -> Vec<Vec<LocationValue>> {
+        if !self.keeps_states {
+            return Vec::new();
+        }
+        let mut all = Vec::new();
+        for (index, machine) in system.machines().iter().enumerate() {
+            let (state, program, naming) = (machine.state(), machine.program(), machine.naming());
+            let mut locations = Vec::new();
+            for slot in state.slots().filter(|slot| is_shown(machine, *slot)) {
+                if let Some((function, arguments)) = state.location(program, slot) {
+                    let named = |value: &Value| NamedValue::of(value, &naming);
+                    let symbols = &program.symbols.functions;
+                    let name = symbols.get(function.0 as usize);
+                    let name = name.map_or_else(String::new, ToString::to_string);
+                    let shown = LocationValue {
+                        function: self.qualified(index, name),
+                        arguments: arguments.iter().map(named).collect(),
+                        value: named(state.get(slot)),
+                    };
+                    locations.push((location(machine, slot), shown));
+                }
+            }
+            locations.sort_by(|left, right| left.0.cmp(&right.0));
+            all.extend(locations.into_iter().map(|(_, shown)| shown));
+        }
+        vec![all]
     }
 
     /// Returns the name of a location, with that of its machine if there are several.
@@ -297,21 +412,25 @@ impl<S: TransitionSystem> Replay<'_, S> {
     }
 }
 
+/// Returns `true` for the locations of the specification that rules update.
+fn is_shown(machine: &Machine, slot: Slot) -> bool {
+    use asmotion_lang::ir::FunctionKind;
+    let program = machine.program();
+    let function = machine.state().function(program, slot);
+    let function = function.and_then(|id| program.functions.get(id.0 as usize));
+    function.is_some_and(|it| {
+        it.own
+            && matches!(
+                it.kind,
+                FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared
+            )
+    })
+}
+
 /// Returns the locations of the specification that rules update, with their values.
 fn locations(machine: &Machine) -> Vec<(String, String)> {
-    use asmotion_lang::ir::FunctionKind;
-    let (state, program, naming) = (machine.state(), machine.program(), machine.naming());
-    let shown = state.slots().filter(|slot| {
-        let function = state.function(program, *slot);
-        let function = function.and_then(|id| program.functions.get(id.0 as usize));
-        function.is_some_and(|it| {
-            it.own
-                && matches!(
-                    it.kind,
-                    FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared
-                )
-        })
-    });
+    let (state, naming) = (machine.state(), machine.naming());
+    let shown = state.slots().filter(|slot| is_shown(machine, *slot));
     let mut all: Vec<(String, String)> = shown
         .map(|slot| {
             (

@@ -4,6 +4,7 @@
 //! properties mention; without such inputs, each state is one node. The nodes of a state are consecutive.
 
 use crate::decisions::{Decision, Decisions, InputValue};
+use crate::fair_moves::{self, CountsBefore, FairMoves, MovedSet};
 use crate::store::StateStore;
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
 use asmotion_lang::Value;
@@ -141,8 +142,9 @@ pub(crate) struct Exploration {
     /// Edges of each explored node: its end in `targets`.
     pub edge_ends: Vec<u64>,
     pub targets: Vec<u32>,
-    /// Label of each transition in `targets`, if fairness refers to labels.
+    /// What the step of each edge moves, as an index into `moved_sets`; empty if no fairness is due to agents and rules.
     pub labels: Vec<u32>,
+    pub moved_sets: Vec<MovedSet>,
     pub keeps_edges: bool,
     pub faults: Vec<FoundFault>,
     /// States in which no step changes anything; the first one, and their number.
@@ -205,16 +207,47 @@ impl Exploration {
 
     /// Returns the successors of a node in ascending order, with the labels of the transitions, if they are kept.
     pub fn labelled_successors(&self, node: u32) -> impl Iterator<Item = (u32, u32)> {
+        let (start, end) = self.edges(node);
+        (start..end).filter_map(|edge| {
+            let label = self.labels.get(edge).copied().unwrap_or_default();
+            Some((*self.targets.get(edge)?, label))
+        })
+    }
+
+    /// Returns the successors of a node in ascending order, if transitions are kept.
+    pub fn successors(&self, node: u32) -> &[u32] {
+        let (start, end) = self.edges(node);
+        self.targets.get(start..end).unwrap_or_default()
+    }
+
+    /// Returns the indices of the edges of a node, from the first one to that after the last one.
+    fn edges(&self, node: u32) -> (usize, usize) {
         let at = node as usize;
         let end = self.edge_ends.get(at).copied().unwrap_or(0) as usize;
         let start = at
             .checked_sub(1)
             .and_then(|before| self.edge_ends.get(before));
-        let edges = start.copied().unwrap_or(0) as usize..end;
-        edges.filter_map(|edge| {
-            let label = self.labels.get(edge).copied().unwrap_or_default();
-            Some((*self.targets.get(edge)?, label))
-        })
+        (start.copied().unwrap_or(0) as usize, end)
+    }
+
+    /// Returns the label of each successor, in the same order; none if edges have no labels.
+    pub fn labels(&self, node: u32) -> &[u32] {
+        let (start, end) = self.edges(node);
+        self.labels.get(start..end).unwrap_or_default()
+    }
+
+    /// Returns `true` if the steps with a label move the agent or rule with this index.
+    pub fn moves(&self, label: u32, index: usize) -> bool {
+        let set = self.moved_sets.get(label as usize);
+        fair_moves::contains(set.copied().unwrap_or_default(), index)
+    }
+
+    /// Returns the nodes at a distance from the initial nodes.
+    pub fn level(&self, depth: usize) -> std::ops::Range<u32> {
+        let start = self.levels.get(depth).copied();
+        let end = self.levels.get(depth + 1).copied();
+        let nodes = self.nodes();
+        start.unwrap_or(nodes)..end.unwrap_or(nodes)
     }
 
     /// Returns the greatest number of steps on a shortest path.
@@ -239,6 +272,10 @@ pub(crate) struct Explorer<'a, S> {
     pub system: S,
     pub conditions: &'a Conditions,
     pub limits: Limits,
+    fair: &'a FairMoves,
+    counts: CountsBefore,
+    /// Indices of the sets in `moved_sets`.
+    known_labels: HashMap<MovedSet, u32>,
     found: Exploration,
     decisions: Decisions,
     /// Numbers of the combinations of inputs.
@@ -254,9 +291,18 @@ pub(crate) struct Explorer<'a, S> {
 }
 
 impl<'a, S: TransitionSystem> Explorer<'a, S> {
-    pub fn new(system: S, conditions: &'a Conditions, limits: Limits, keeps_edges: bool) -> Self {
+    pub fn new(
+        mut system: S,
+        conditions: &'a Conditions,
+        limits: Limits,
+        keeps_edges: bool,
+        fair: &'a FairMoves,
+    ) -> Self {
+        if fair.has_agents() {
+            system.keep_candidates();
+        }
         let count = conditions.terms.len();
-        let has_labels = !system.fairness().is_empty();
+        let has_labels = keeps_edges && !(system.fairness().is_empty() && fair.is_empty());
         let found = Exploration {
             truths: vec![Truths::default(); count],
             undefined: vec![0; count],
@@ -267,6 +313,9 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             system,
             conditions,
             limits,
+            fair,
+            counts: CountsBefore::default(),
+            known_labels: HashMap::new(),
             found,
             decisions: Decisions::default(),
             known_inputs: HashMap::new(),
@@ -404,6 +453,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
                 return Err(ExplorationError::Alternatives);
             }
             let can_revert = self.system.can_revert();
+            self.fair.before(&self.system, &mut self.counts);
             match self.system.step(&self.decisions, &inputs) {
                 Ok(_) if self.exceeds_reserve() => {
                     rests = false;
@@ -444,15 +494,25 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             self.observe(state, parent)?;
         }
         if self.found.keeps_edges && parent != NO_PARENT {
-            let label = if self.has_labels {
-                self.system.label()
-            } else {
-                0
-            };
+            let is_changed = self.found.state_of.get(parent as usize) != Some(&state);
+            let label = self.label(is_changed);
             let nodes = self.found.nodes_of(state);
             self.edges.extend(nodes.map(|node| (node, label)));
         }
         Ok(state)
+    }
+
+    /// Returns the label of the last step.
+    fn label(&mut self, is_changed: bool) -> u32 {
+        if !self.has_labels {
+            return 0;
+        }
+        let moved = self.fair.moved(&self.system, &self.counts, is_changed);
+        let found = &mut self.found;
+        *self.known_labels.entry(moved).or_insert_with(|| {
+            found.moved_sets.push(moved);
+            found.moved_sets.len() as u32 - 1
+        })
     }
 
     /// Evaluates the conditions in the current state, and adds a node for each combination of inputs that they read.

@@ -3,6 +3,7 @@
 use crate::codes::m004::FormulaTooLarge;
 use crate::counterexample::NodePath;
 use crate::explore::{Exploration, Truths};
+use crate::fair_moves::{self, FairMoves, MovedSet};
 use crate::formula::{Formula, Operator};
 use crate::property::PropertyKind;
 use crate::transition::FairLabels;
@@ -89,11 +90,22 @@ pub(crate) fn visit_conditions(formula: &Formula, see: &mut dyn FnMut(usize)) {
     }
 }
 
-/// The graph of an exploration, with fairness constraints.
+/// Fairness that refers to what steps move.
+#[derive(Clone, Copy)]
+pub(crate) struct FairnessOfSteps<'a> {
+    /// The machines of a system, which the schedule selects again and again.
+    pub scheduled: &'a [FairLabels],
+    /// Agents and rules.
+    pub due: &'a FairMoves,
+}
+
+/// The graph of an exploration, or of a path in it, with fairness constraints.
 pub(crate) struct Checker {
     graph: Graph,
     atoms: Vec<Bits>,
     fairness: Vec<Fairness>,
+    /// What the edges with each label move.
+    moved_sets: Vec<MovedSet>,
 }
 
 impl Checker {
@@ -101,7 +113,7 @@ impl Checker {
     pub fn new(
         exploration: &Exploration,
         fairness: &[FairnessFormula],
-        fair_labels: &[FairLabels],
+        fair: FairnessOfSteps<'_>,
     ) -> Result<Self, LogicError> {
         let mut builder = GraphBuilder::new();
         for node in 0..exploration.nodes() {
@@ -111,11 +123,55 @@ impl Checker {
             builder.end_node();
         }
         let graph = builder.finish((0..exploration.initial).collect())?;
+        let sets = exploration.moved_sets.clone();
+        Ok(Self::of(
+            graph,
+            exploration,
+            fairness,
+            fair,
+            &|node| node,
+            sets,
+        ))
+    }
+
+    /// Builds the graph of a path that ends in a cycle.
+    pub fn of_path(
+        exploration: &Exploration,
+        fairness: &[FairnessFormula],
+        fair: FairnessOfSteps<'_>,
+        path: &NodePath,
+    ) -> Result<Self, LogicError> {
+        let mut builder = GraphBuilder::new();
+        let count = path.nodes.len();
+        for index in 0..count {
+            let next = if index + 1 < count {
+                index + 1
+            } else {
+                path.cycle.unwrap_or(index)
+            };
+            builder.edge(next as u32, index as u32);
+            builder.end_node();
+        }
+        let graph = builder.finish(vec![0])?;
+        let node = |index: u32| path.nodes.get(index as usize).copied().unwrap_or_default();
+        let sets = path.moved.clone();
+        Ok(Self::of(graph, exploration, fairness, fair, &node, sets))
+    }
+
+    /// `node` returns the node of the exploration that a node of the graph stands for.
+    fn of(
+        graph: Graph,
+        exploration: &Exploration,
+        fairness: &[FairnessFormula],
+        fair: FairnessOfSteps<'_>,
+        node: &dyn Fn(u32) -> u32,
+        moved_sets: Vec<MovedSet>,
+    ) -> Self {
         let count = graph.node_count();
         let truths = exploration.truths.iter();
-        let atoms = truths.map(|it| Bits::from_fn(count, |node| it.get(node as u32)));
+        let atoms = truths.map(|it| Bits::from_fn(count, |index| it.get(node(index as u32))));
         let nodes = |formula: &Formula| {
-            let holds = |node| is_true(formula, &exploration.truths, node as u32);
+            let holds = |index| is_true(formula, &exploration.truths, node(index as u32));
             Recurrent::nodes(Bits::from_fn(count, holds))
         };
         let fairness = fairness.iter().map(|constraint| match constraint {
@@ -124,16 +180,49 @@ impl Checker {
                 Fairness::Compassion(nodes(cause), nodes(effect))
             }
         });
-        let mut fairness: Vec<Fairness> = fairness.collect();
-        fairness.extend(fair_labels.iter().map(|fair| {
-            let taken = graph.edges_with(|label| label == Graph::STUTTER || fair.contains(label));
+        let moves = |label: u32, index: usize| {
+            let set = moved_sets.get(label as usize).copied().unwrap_or_default();
+            fair_moves::contains(set, index)
+        };
+        let scheduled = fair.scheduled.iter().map(|fair| {
+            let taken = graph.edges_with(|label| {
+                let set = moved_sets.get(label as usize).copied().unwrap_or_default();
+                label == Graph::STUTTER || fair.contains(fair_moves::label_of(set))
+            });
             Fairness::Justice(Recurrent::edges(taken))
-        }));
-        Ok(Self {
+        });
+        let due = fair.due.moves.iter().enumerate().map(|(index, due)| {
+            let taken = graph.edges_with(|label| moves(label, index));
+            // enabled in the whole exploration, of which a path has some edges only
+            let is_enabled = |place: usize| {
+                let labels = exploration.labels(node(place as u32));
+                labels.iter().any(|label| exploration.moves(*label, index))
+            };
+            if due.is_strong {
+                let enabled = Bits::from_fn(count, is_enabled);
+                Fairness::Compassion(Recurrent::nodes(enabled), Recurrent::edges(taken))
+            } else {
+                let disabled = Bits::from_fn(count, |place| !is_enabled(place));
+                Fairness::Justice(Recurrent::nodes_or_edges(disabled, taken))
+            }
+        });
+        let fairness = fairness.chain(scheduled).chain(due).collect();
+        Self {
             atoms: atoms.collect(),
             fairness,
             graph,
-        })
+            moved_sets,
+        }
+    }
+
+    /// Returns `true` if the formula is violated.
+    pub fn violates(&self, kind: PropertyKind, formula: &Formula) -> Result<bool, LogicError> {
+        let verdict = if kind == PropertyKind::Ltl {
+            check_ltl(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
+        } else {
+            check_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
+        };
+        Ok(verdict.violation.is_some())
     }
 
     /// Checks a temporal formula.
@@ -170,8 +259,6 @@ impl Checker {
     }
 
     fn path(&self, lasso: &Lasso) -> NodePath {
-        let steps = lasso.stem.iter().chain(&lasso.cycle);
-        let labels = steps.map(|step| self.graph.label(step.edge));
         let mut nodes: Vec<u32> = vec![lasso.start];
         nodes.extend(lasso.stem.iter().map(|step| step.node));
         let start = nodes.len() - 1;
@@ -181,11 +268,20 @@ impl Checker {
             nodes.pop();
             start
         });
+        let steps = lasso.stem.iter().chain(&lasso.cycle);
+        let moved = steps.map(|step| {
+            let label = self.graph.label(step.edge).unwrap_or_default();
+            self.moved_sets
+                .get(label as usize)
+                .copied()
+                .unwrap_or_default()
+        });
+        let is_labelled = !self.moved_sets.is_empty();
         NodePath {
             nodes,
-            labels: labels.collect(),
             cycle,
-            failing: None,
+            moved: moved.filter(|_| is_labelled).collect(),
+            ..NodePath::default()
         }
     }
 }
@@ -208,6 +304,48 @@ fn is_existential(formula: &Formula) -> bool {
         Formula::Apply(Operator::Ex | Operator::Ef | Operator::Eg | Operator::Eu, _)
             | Formula::Repeat(Operator::Ex, ..)
     )
+}
+
+/// Returns `true` if one path shows that a formula is violated: it says something about all paths only.
+pub(crate) fn is_universal(formula: &Formula, is_positive: bool) -> bool {
+    let all = |operands: &[Formula]| operands.iter().all(|it| is_universal(it, is_positive));
+    match formula {
+        Formula::Constant(_) | Formula::Condition(_) => true,
+        Formula::Repeat(operator, _, operand) => {
+            (*operator == Operator::Ax) == is_positive && is_universal(operand, is_positive)
+        }
+        Formula::Apply(operator, operands) => match (operator, operands.as_slice()) {
+            (Operator::Not, [operand]) => is_universal(operand, !is_positive),
+            (Operator::Implies, [cause, effect]) => {
+                is_universal(cause, !is_positive) && is_universal(effect, is_positive)
+            }
+            (Operator::Iff, _) => formula.is_condition(),
+            (Operator::Ex | Operator::Ef | Operator::Eg | Operator::Eu, _) => {
+                !is_positive && all(operands)
+            }
+            (Operator::Ax | Operator::Af | Operator::Ag | Operator::Au, _) => {
+                is_positive && all(operands)
+            }
+            (
+                Operator::Not
+                | Operator::And
+                | Operator::Or
+                | Operator::Implies
+                | Operator::Next
+                | Operator::Globally
+                | Operator::Finally
+                | Operator::Until
+                | Operator::Release
+                | Operator::Yesterday
+                | Operator::WeakYesterday
+                | Operator::Historically
+                | Operator::Once
+                | Operator::Since
+                | Operator::Triggered,
+                _,
+            ) => all(operands),
+        },
+    }
 }
 
 /// The operands of an operator, of which it has one or two.

@@ -356,6 +356,10 @@ impl TransitionSystem for MachineSystem<'_> {
         &self.moved
     }
 
+    fn keep_candidates(&mut self) {
+        self.machines.iter_mut().for_each(Machine::keep_candidates);
+    }
+
     fn prepares_next(&self, machine: usize) -> bool {
         self.plan.environment == Some(machine)
     }

@@ -16,6 +16,16 @@ pub struct InputValues {
     pub values: Vec<Value>,
 }
 
+/// The name of a rule, or of a domain of agents, to which fairness is due.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FairName {
+    /// Name of the rule or domain.
+    pub name: String,
+    /// `true` for strong fairness: infinitely often enabled implies infinitely often moved. `false` for weak fairness: from
+    /// some point on always enabled implies infinitely often moved.
+    pub is_strong: bool,
+}
+
 /// What is verified, and how far.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -31,6 +41,10 @@ pub struct Options {
     pub assumptions: Vec<String>,
     /// Condition of the states in which nothing needs to change any more, besides those that `//@Final` names.
     pub ends: Option<String>,
+    /// Rules and domains of agents to which fairness is due, besides those that `//@Fair` and `//@StronglyFair` name.
+    pub fairness: Vec<FairName>,
+    /// `true` to keep the states of runs: see [`Run::states`](crate::Run::states).
+    pub keeps_states: bool,
     /// Inputs whose values are given; others have those of their codomains.
     pub inputs: Vec<InputValues>,
     /// Contents of messages from outside the system that are given; others have all values of their domains.

@@ -34,6 +34,8 @@ pub(crate) struct Property {
 pub(crate) struct Prepared {
     pub properties: Vec<Property>,
     pub fairness: Vec<FairnessFormula>,
+    /// `true` if only some paths are considered.
+    pub has_fairness: bool,
     pub conditions: Conditions,
     /// Texts of the conditions.
     pub texts: Vec<String>,

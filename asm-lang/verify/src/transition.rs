@@ -195,6 +195,8 @@ pub(crate) trait TransitionSystem: Clone + Send {
     fn fairness(&self) -> Vec<FairLabels> {
         Vec::new()
     }
+    /// Keeps the candidates that `choose` rules take, in the records of future steps.
+    fn keep_candidates(&mut self);
 
     /// Returns the coverage counts of each machine.
     fn counts(&self) -> Vec<Vec<u64>> {
@@ -264,5 +266,9 @@ impl TransitionSystem for SingleMachine<'_> {
 
     fn moved(&self) -> &[usize] {
         &[0]
+    }
+
+    fn keep_candidates(&mut self) {
+        self.machine.keep_candidates();
     }
 }

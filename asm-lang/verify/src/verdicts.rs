@@ -1,8 +1,8 @@
 //! Verdicts: the properties, checked in everything that was explored.
 
-use crate::counterexample::{NodePath, Replay};
+use crate::counterexample::{NodePath, Replay, Run};
 use crate::formula::{Formula, Operator};
-use crate::logic::{self, Checker, LogicError};
+use crate::logic::{self, Checker, FairnessOfSteps, LogicError};
 use crate::preparation::{Prepared, Property};
 use crate::property::{CheckedProperty, Note, PropertyKind, Verdict};
 use crate::transition::TransitionSystem;
@@ -40,7 +40,7 @@ impl Prepared {
         let [operand] = operands.as_slice() else {
             return None;
         };
-        if !self.fairness.is_empty() || !operand.is_condition() {
+        if self.has_fairness || !operand.is_condition() {
             return None;
         }
         if matches!(operator, Operator::Ag | Operator::Globally) {
@@ -64,7 +64,10 @@ pub(crate) fn verdicts<S: TransitionSystem>(
         Some(Checker::new(
             exploration,
             &prepared.fairness,
-            &replay.system.fairness(),
+            FairnessOfSteps {
+                scheduled: &replay.system.fairness(),
+                due: replay.fair,
+            },
         )?)
     } else {
         None
@@ -121,12 +124,14 @@ impl<S: TransitionSystem> Judge<'_, S> {
 
     fn of_nodes(&self, which: NodeProperty, formula: &Formula) -> Verdict {
         let exploration = self.replay.exploration;
-        let mut nodes = 0..exploration.nodes();
-        let found = nodes.find(|node| {
+        let is_found = |node: &u32| {
             let holds = logic::is_true(formula, &exploration.truths, *node);
             holds == (which == NodeProperty::Some)
-        });
-        let run = found.map(|node| Box::new(self.replay.run(&NodePath::to(exploration, node))));
+        };
+        let mut run = self.simplest((0..exploration.nodes()).filter(is_found));
+        if let Some(run) = run.as_mut().filter(|_| which == NodeProperty::All) {
+            run.violated = self.violated_at_end(formula);
+        }
         match (which, run, exploration.incomplete) {
             (NodeProperty::All, Some(run), _) => Verdict::Violated(Some(run)),
             (NodeProperty::Some, Some(run), _) => Verdict::Holds(Some(run)),
@@ -150,7 +155,12 @@ impl<S: TransitionSystem> Judge<'_, S> {
         }
         let run = |path: &NodePath| Box::new(self.replay.run(path));
         if let Some(path) = checked.path {
-            return Ok(Verdict::Violated(Some(run(&path))));
+            let path = self.simplest_violation(property, path);
+            let mut run = run(&path);
+            if path.cycle.is_none() {
+                run.violated = self.violated_at_end(&property.formula);
+            }
+            return Ok(Verdict::Violated(Some(run)));
         }
         let irrelevant: Vec<String> = checked
             .irrelevant
@@ -161,6 +171,63 @@ impl<S: TransitionSystem> Judge<'_, S> {
             notes.push(Note::Irrelevant(irrelevant));
         }
         Ok(Verdict::Holds(checked.witness.as_ref().map(run)))
+    }
+
+    /// Returns the text of the condition that is false at the end of a path that shows the violation of a formula.
+    fn violated_at_end(&self, formula: &Formula) -> Option<String> {
+        match formula {
+            Formula::Condition(index) => {
+                let text = self.prepared.texts.get(*index);
+                // a variable of a quantifier has no meaning outside of it
+                text.filter(|text| !text.contains('$')).cloned()
+            }
+            Formula::Apply(
+                Operator::Ag | Operator::Ax | Operator::Globally | Operator::Next,
+                operands,
+            ) => self.violated_at_end(operands.first()?),
+            Formula::Apply(Operator::Implies, operands) => match operands.as_slice() {
+                [cause, effect] if cause.is_condition() && !effect.is_condition() => {
+                    self.violated_at_end(effect)
+                }
+                _ => None,
+            },
+            Formula::Repeat(Operator::Ax, _, operand) => self.violated_at_end(operand),
+            Formula::Constant(_) | Formula::Apply(..) | Formula::Repeat(..) => None,
+        }
+    }
+
+    /// Returns the simplest of the shortest runs to nodes, which are given in the order of their depth.
+    fn simplest(&self, mut nodes: impl Iterator<Item = u32>) -> Option<Box<Run>> {
+        let exploration = self.replay.exploration;
+        let first = nodes.next()?;
+        let depth = exploration.path(first).len() - 1;
+        let level = exploration.level(depth);
+        let goals: Vec<u32> = std::iter::once(first)
+            .chain(nodes.take_while(|node| level.contains(node)))
+            .collect();
+        Some(Box::new(self.replay.run(&self.replay.simplest_to(&goals))))
+    }
+
+    /// Returns the simplest path with the lengths of a path that violates a property, and that violates it, too.
+    fn simplest_violation(&self, property: &Property, path: NodePath) -> NodePath {
+        let formula = &property.formula;
+        let (exploration, fairness) = (self.replay.exploration, &self.prepared.fairness);
+        let is_universal = property.kind == PropertyKind::Ltl || logic::is_universal(formula, true);
+        if path.cycle.is_some() {
+            let scheduled = self.replay.system.fairness();
+            let fair = FairnessOfSteps {
+                scheduled: &scheduled,
+                due: self.replay.fair,
+            };
+            return self.replay.simplest_lasso(path, &|other| {
+                let checker = Checker::of_path(exploration, fairness, fair, other);
+                let violated = checker.and_then(|it| it.violates(property.kind, formula));
+                is_universal && violated.unwrap_or_default()
+            });
+        }
+        // the last node is what violates the operand of `ag`, whatever the way to it
+        let is_about_end = matches!(formula, Formula::Apply(Operator::Ag, _));
+        self.replay.simplest_end(path, &|_| is_about_end)
     }
 
     /// Returns remarks on the values of a property's conditions.
@@ -197,12 +264,12 @@ impl<S: TransitionSystem> Judge<'_, S> {
         let exploration = self.replay.exploration;
         let faults = exploration.faults.iter();
         let mut runs = faults.map(|found| {
-            self.replay.run(&NodePath {
+            let path = NodePath {
                 nodes: exploration.path(found.node),
-                labels: Vec::new(),
-                cycle: None,
                 failing: Some(found.decisions.clone()),
-            })
+                ..NodePath::default()
+            };
+            self.replay.run(&self.replay.simplest_failing(path))
         });
         let verdict = match (runs.next(), exploration.incomplete) {
             (Some(run), _) => Verdict::Violated(Some(Box::new(run))),
@@ -223,9 +290,8 @@ impl<S: TransitionSystem> Judge<'_, S> {
             ends.any(|ends| logic::is_true(ends, &exploration.truths, node))
         };
         let stuck = exploration.stuck.iter();
-        let mut nodes = stuck.flat_map(|state| exploration.nodes_of(*state));
-        let found = nodes.find(|node| !is_end(*node));
-        let run = found.map(|node| Box::new(self.replay.run(&NodePath::to(exploration, node))));
+        let nodes = stuck.flat_map(|state| exploration.nodes_of(*state));
+        let run = self.simplest(nodes.filter(|node| !is_end(*node)));
         let verdict = match (run, exploration.incomplete) {
             (Some(run), _) => Verdict::Violated(Some(run)),
             (None, None) => Verdict::Holds(None),

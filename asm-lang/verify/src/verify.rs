@@ -5,8 +5,10 @@ use crate::codes::m002::TooManyAlternatives;
 use crate::codes::m006::NothingAssumed;
 use crate::codes::main_rule;
 use crate::counterexample::Replay;
+use crate::due_fairness::DueFairness;
 use crate::environment::EnvironmentModel;
 use crate::explore::{ExplorationError, Explorer, Incomplete, Progress};
+use crate::fair_moves::FairMoves;
 use crate::growth::{GrowingLocation, growing_locations};
 use crate::inputs::InputRanges;
 use crate::machines::{MachineSystem, SystemPlan};
@@ -79,6 +81,7 @@ pub fn verify_system(
         Err((machine, report)) => return Err(refusal(system.machines, machine, report)),
     };
     let PreparedSystem {
+        fair,
         properties,
         plan,
         machines,
@@ -88,6 +91,7 @@ pub fn verify_system(
         known: &system.machines,
         properties: &properties,
         options,
+        fair: &fair,
     };
     let is_single = machines.len() == 1 && plan.is_plain();
     let explored = match (machines.as_slice(), plan.ranges.first()) {
@@ -114,6 +118,7 @@ struct PreparedSystem {
     machines: Vec<Machine>,
     /// Texts of the assumptions.
     assumptions: Vec<String>,
+    fair: FairMoves,
 }
 
 impl PreparedSystem {
@@ -138,7 +143,7 @@ impl PreparedSystem {
             checked.map_err(|report| (environment, report))?;
         }
         plan.sources = system.input_sources()?;
-        let properties = prepare(&mut system.machines, options, &plan.sources)?;
+        let mut properties = prepare(&mut system.machines, options, &plan.sources)?;
         let mut machines = Vec::new();
         for (index, known) in system.machines.iter().enumerate() {
             let machine = known.specification.machine();
@@ -169,12 +174,16 @@ impl PreparedSystem {
                 assumptions.push(format!("any value of {}", free.join(", ")));
             }
         }
+        let due = DueFairness::of(&system.machines, &machines, &options.fairness)?;
+        assumptions.extend(due.texts);
+        properties.has_fairness = !(properties.fairness.is_empty() && due.moves.is_empty());
         plan.messages = MessagePlan::of(system, &machines, options.messages, &options.contents)?;
         Ok(Self {
             properties,
             plan,
             machines,
             assumptions,
+            fair: due.moves,
         })
     }
 }
@@ -184,6 +193,7 @@ struct Exploring<'a> {
     known: &'a [VerifiedMachine],
     properties: &'a Prepared,
     options: &'a Options,
+    fair: &'a FairMoves,
 }
 
 impl Exploring<'_> {
@@ -198,6 +208,7 @@ impl Exploring<'_> {
             &self.properties.conditions,
             self.options.limits,
             self.properties.needs_graph(),
+            self.fair,
         );
         let exploration = explorer
             .run(proceed)
@@ -217,6 +228,8 @@ impl Exploring<'_> {
             machines: self.known,
             exploration: &exploration,
             system: &system,
+            fair: self.fair,
+            keeps_states: self.options.keeps_states,
         };
         let properties = verdicts(self.properties, &replay, &self.options.only)
             .map_err(|error| (0, report_of(error.diagnostic())))?;

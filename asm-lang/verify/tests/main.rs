@@ -9,10 +9,12 @@
 mod bad_input;
 mod counts;
 mod environments;
+mod fairness;
 mod models;
 mod naive;
 mod naive_systems;
 mod runs;
+mod simplest;
 mod systems;
 mod unbounded;
 

@@ -1,7 +1,7 @@
 //! Results of a verification as JSON.
 
 use super::words::{kind, machine_name, place_in, verdict};
-use asmotion_verify::{Incomplete, Run, Verification, VerifiedMachine};
+use asmotion_verify::{Incomplete, Run, RunGuard, Verification, VerifiedMachine};
 use serde_json::{Value, json};
 use std::time::Duration;
 
@@ -64,10 +64,12 @@ fn run_json(run: &Run, machines: &[VerifiedMachine]) -> Value {
             .map(|(key, value)| (key.clone(), Value::from(value.clone())));
         Value::Object(pairs.collect())
     };
+    let guard = |guard: &RunGuard| json!({ "text": guard.text, "holds": guard.holds, "values": object(&guard.values) });
     let steps = run.steps.iter().map(|step| {
-        let choices = step.choices.iter().map(|(index, count, place)| {
-            let place = place_in(machines, step.machine, *place);
-            json!({ "index": index, "count": count, "place": place })
+        let choices = step.choices.iter().map(|choice| {
+            let place = place_in(machines, step.machine, choice.place);
+            let values = object(&choice.values);
+            json!({ "index": choice.index, "count": choice.count, "place": place, "values": values })
         });
         let updates = step.updates.iter().map(|update| {
             json!({
@@ -75,6 +77,7 @@ fn run_json(run: &Run, machines: &[VerifiedMachine]) -> Value {
                 "before": update.before,
                 "after": update.after,
                 "place": place_in(machines, step.machine, update.place),
+                "guards": update.guards.iter().map(guard).collect::<Vec<Value>>(),
             })
         });
         json!({

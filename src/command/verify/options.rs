@@ -4,7 +4,7 @@ use super::Verify;
 use super::input_values::{GivenValues, ValuesError, given_values, machine_of};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
-use asmotion_verify::{Limits, Options, VerifiedMachine};
+use asmotion_verify::{FairName, Limits, Options, VerifiedMachine};
 
 impl Verify {
     pub(super) fn options(
@@ -38,6 +38,8 @@ impl Verify {
                 .collect(),
             assumptions: self.assume.clone(),
             ends: self.end.clone(),
+            fairness: self.fairness(),
+            keeps_states: false,
             inputs: Vec::new(),
             messages: self.system.message_model(),
             ..Options::default()
@@ -62,5 +64,15 @@ impl Verify {
             }
         }
         Ok(options)
+    }
+
+    fn fairness(&self) -> Vec<FairName> {
+        let weak = self.fair.iter().map(|name| (name, false));
+        let strong = self.strongly_fair.iter().map(|name| (name, true));
+        let all = weak.chain(strong).map(|(name, is_strong)| FairName {
+            name: name.clone(),
+            is_strong,
+        });
+        all.collect()
     }
 }

@@ -1,13 +1,9 @@
 //! Results of a verification as text.
 
-use super::words::{
-    counted, duration, incomplete, machine_name, number, place_in, rule_text, verdict,
-};
+use super::run::show_run;
+use super::words::{counted, duration, incomplete, machine_name, number, place_in, verdict};
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
-use asmotion_lang::Specification;
-use asmotion_verify::{
-    CheckedProperty, Note, PropertyKind, Run, RunStep, Verdict, Verification, VerifiedMachine,
-};
+use asmotion_verify::{CheckedProperty, Note, PropertyKind, Verdict, Verification};
 use std::time::Duration;
 
 /// Prints the results for a specification.
@@ -149,84 +145,4 @@ fn show_note(property: &CheckedProperty, note: &Note, terminal: &mut TerminalOut
         }
     };
     terminal.result(format_args!("            {NOTE}note{NOTE:#} {text}"));
-}
-
-fn show_run(run: &Run, machines: &[VerifiedMachine], terminal: &mut TerminalOutput) {
-    let initial: Vec<String> = run
-        .initial
-        .iter()
-        .map(|(location, value)| format!("{location} = {value}"))
-        .collect();
-    terminal.result(format_args!(
-        "            {FAINT}initially{FAINT:#} {}",
-        initial.join(", ")
-    ));
-    for (index, step) in run.steps.iter().enumerate() {
-        if run.cycle == Some(index) {
-            terminal.result(format_args!(
-                "            {FAINT}from here on repeated for ever{FAINT:#}"
-            ));
-        }
-        if let Some(machine) = machines.get(step.machine) {
-            let mover = machine_name(machines, step.machine);
-            show_step(mover, step, &machine.specification, terminal);
-        }
-    }
-    if run.cycle.is_some_and(|cycle| cycle >= run.steps.len()) {
-        terminal.result(format_args!(
-            "            {FAINT}and nothing changes any more{FAINT:#}"
-        ));
-    }
-    if !run.inputs.is_empty() {
-        let inputs: Vec<String> = run
-            .inputs
-            .iter()
-            .map(|(it, value)| format!("{it} = {value}"))
-            .collect();
-        terminal.result(format_args!(
-            "            {FAINT}then{FAINT:#} {}",
-            inputs.join(", ")
-        ));
-    }
-}
-
-fn show_step(
-    mover: Option<&str>,
-    step: &RunStep,
-    specification: &Specification,
-    terminal: &mut TerminalOutput,
-) {
-    let mut causes: Vec<String> = step
-        .inputs
-        .iter()
-        .map(|(input, value)| format!("{input} = {value}"))
-        .collect();
-    for (index, count, place) in &step.choices {
-        let rule = rule_text(specification, *place);
-        causes.push(format!("choice {} of {count} ({rule})", index + 1));
-    }
-    let causes = causes.join(", ");
-    let number = step.transition;
-    let mover = mover.map_or_else(String::new, |name| format!("{name}: "));
-    terminal.result(format_args!(
-        "            {FAINT}step {number}{FAINT:#} {mover}{causes}"
-    ));
-    for update in &step.updates {
-        let rule = rule_text(specification, update.place);
-        terminal.result(format_args!(
-            "              {}: {} → {}  {FAINT}{rule}{FAINT:#}",
-            update.location, update.before, update.after
-        ));
-    }
-    for message in &step.messages {
-        terminal.result(format_args!("              {FAINT}{message}{FAINT:#}"));
-    }
-    if let Some(fault) = &step.fault {
-        terminal.result(format_args!(
-            "              {BAD}fails{BAD:#}: {}",
-            fault.message
-        ));
-    } else if step.updates.is_empty() && step.messages.is_empty() {
-        terminal.result(format_args!("              {FAINT}no change{FAINT:#}"));
-    }
 }

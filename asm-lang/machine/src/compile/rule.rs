@@ -6,7 +6,7 @@ use super::pick::Candidates;
 use super::range::Ranges;
 use crate::fault::FaultKind;
 use crate::messages::PerformedAction;
-use crate::record::StepChoice;
+use crate::record::{ChosenCandidate, StepChoice};
 use crate::run::code::RuleCode;
 use crate::run::{CodomainCheck, KleeneTruth, RuleStopped, StepContext};
 use asmotion_ir::{AssignTarget, Endless, Local, Origin, RoutineId, Rule, RuleNode, Term};
@@ -352,8 +352,10 @@ impl Compiler<'_> {
         let body = self.rule(body);
         let ifnone = self.rule(ifnone);
         Box::new(move |run| {
+            let variables = &ranges.binders;
             let ranges = Candidates::of(&ranges, run);
             let mut chosen = 0;
+            let mut choice = None;
             if !run.chooser.takes_first() {
                 let mut count = 0usize;
                 ranges.each(run, &mut |_| {
@@ -363,6 +365,7 @@ impl Compiler<'_> {
                 run.checked()?;
                 if count > 0 {
                     chosen = run.chooser.choose(count).min(count - 1);
+                    choice = Some(run.record.choices.len());
                     run.record.choices.push(StepChoice {
                         origin,
                         index: chosen,
@@ -378,6 +381,17 @@ impl Compiler<'_> {
                     return ControlFlow::Continue(());
                 }
                 found = true;
+                if run.record.keeps_candidates {
+                    let values = variables
+                        .iter()
+                        .map(|(local, ..)| run.local(*local).clone());
+                    let values = values.collect();
+                    run.record.candidates.push(ChosenCandidate {
+                        choice,
+                        origin,
+                        values,
+                    });
+                }
                 // `checked` below finds a fault of the body
                 let _ = body(run);
                 ControlFlow::Break(())

@@ -1,0 +1,128 @@
+//! Runs as text: the first state, then what each step changes, and why.
+
+use super::words::{machine_name, rule_text};
+use crate::terminal::{BAD, FAINT, TerminalOutput};
+use asmotion_lang::Specification;
+use asmotion_verify::{Run, RunChoice, RunGuard, RunStep, VerifiedMachine};
+
+pub fn show_run(run: &Run, machines: &[VerifiedMachine], terminal: &mut TerminalOutput) {
+    let initial: Vec<String> = run
+        .initial
+        .iter()
+        .map(|(location, value)| format!("{location} = {value}"))
+        .collect();
+    terminal.result(format_args!(
+        "            {FAINT}initially{FAINT:#} {}",
+        initial.join(", ")
+    ));
+    for (index, step) in run.steps.iter().enumerate() {
+        if run.cycle == Some(index) {
+            terminal.result(format_args!(
+                "            {FAINT}from here on repeated for ever{FAINT:#}"
+            ));
+        }
+        if let Some(machine) = machines.get(step.machine) {
+            let mover = machine_name(machines, step.machine);
+            show_step(mover, step, &machine.specification, terminal);
+        }
+    }
+    if run.cycle.is_some_and(|cycle| cycle >= run.steps.len()) {
+        terminal.result(format_args!(
+            "            {FAINT}and nothing changes any more{FAINT:#}"
+        ));
+    }
+    if !run.inputs.is_empty() {
+        let inputs: Vec<String> = run
+            .inputs
+            .iter()
+            .map(|(it, value)| format!("{it} = {value}"))
+            .collect();
+        terminal.result(format_args!(
+            "            {FAINT}then{FAINT:#} {}",
+            inputs.join(", ")
+        ));
+    }
+}
+
+fn show_step(
+    mover: Option<&str>,
+    step: &RunStep,
+    specification: &Specification,
+    terminal: &mut TerminalOutput,
+) {
+    let mut causes: Vec<String> = step
+        .inputs
+        .iter()
+        .map(|(input, value)| format!("{input} = {value}"))
+        .collect();
+    causes.extend(step.choices.iter().map(|it| choice_text(it, specification)));
+    let causes = causes.join(", ");
+    let number = step.transition;
+    let mover = mover.map_or_else(String::new, |name| format!("{name}: "));
+    terminal.result(format_args!(
+        "            {FAINT}step {number}{FAINT:#} {mover}{causes}"
+    ));
+    for (index, update) in step.updates.iter().enumerate() {
+        let rule = rule_text(specification, update.place);
+        terminal.result(format_args!(
+            "              {}: {} → {}  {FAINT}{rule}{FAINT:#}",
+            update.location, update.before, update.after
+        ));
+        let next = step.updates.get(index + 1);
+        let is_last = next.is_none_or(|next| next.guards != update.guards);
+        if is_last && !update.guards.is_empty() {
+            let guards = update.guards.iter().map(|guard| guard_text(guard, step));
+            let guards = guards.collect::<Vec<String>>().join(", ");
+            terminal.result(format_args!(
+                "                {FAINT}because {guards}{FAINT:#}"
+            ));
+        }
+    }
+    for message in &step.messages {
+        terminal.result(format_args!("              {FAINT}{message}{FAINT:#}"));
+    }
+    if let Some(fault) = &step.fault {
+        terminal.result(format_args!(
+            "              {BAD}fails{BAD:#}: {}",
+            fault.message
+        ));
+    } else if step.updates.is_empty() && step.messages.is_empty() {
+        terminal.result(format_args!("              {FAINT}no change{FAINT:#}"));
+    }
+}
+
+/// A choice with the values of its variables, as in `$p = 2 (3 of 5, r_Main, line 40)`.
+fn choice_text(choice: &RunChoice, specification: &Specification) -> String {
+    let values = choice
+        .values
+        .iter()
+        .map(|(variable, value)| format!("{variable} = {value}"));
+    let values = values.collect::<Vec<String>>().join(", ");
+    let values = if values.is_empty() {
+        "choice".to_owned()
+    } else {
+        values
+    };
+    let rule = rule_text(specification, choice.place);
+    format!(
+        "{values} ({} of {}, {rule})",
+        choice.index + 1,
+        choice.count
+    )
+}
+
+/// A guard with the values that it read, without the inputs of the step, which are shown before.
+fn guard_text(guard: &RunGuard, step: &RunStep) -> String {
+    let values = guard
+        .values
+        .iter()
+        .filter(|pair| !step.inputs.contains(pair));
+    let values = values.map(|(name, value)| format!("{name} = {value}"));
+    let values = values.collect::<Vec<String>>().join(", ");
+    let not = if guard.holds { "" } else { "not " };
+    if values.is_empty() {
+        format!("{not}`{}`", guard.text)
+    } else {
+        format!("{not}`{}` ({values})", guard.text)
+    }
+}
