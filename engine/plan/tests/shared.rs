@@ -153,7 +153,7 @@ fn planted(path: &str, from: &str, to: &str, file: &str) -> Vec<String> {
 }
 
 #[test]
-fn it_finds_a_misspelt_port_and_the_input_that_nobody_drives() {
+fn it_finds_a_misspelt_port_once() {
     if !is_there() {
         return;
     }
@@ -164,13 +164,7 @@ fn it_finds_a_misspelt_port_and_the_input_that_nobody_drives() {
         "to = \"youBotDriver.command\"",
         path,
     );
-    assert_eq!(
-        found,
-        [
-            "C045: unconnected input `youBotDriver.commands`",
-            "C021: unknown port `command` of `youBotDriver`",
-        ]
-    );
+    assert_eq!(found, ["C021: unknown port `command` of `youBotDriver`"]);
 }
 
 #[test]

@@ -19,6 +19,7 @@ use asmotion_datum::Word as _;
 use asmotion_diagnostics::{Report, Span};
 
 use super::endpoints::{PortDirection, TypeAt};
+use super::meant::meant;
 use super::queue;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::wire::own_place;
@@ -125,13 +126,35 @@ fn connection(
             drive(scene, connection, source, end, drivers, report);
         }
     }
+    // do not report these inputs a second time as having no writer
     if misnamed {
-        // do not report these inputs a second time as having no writer
-        let ends = connection.from.iter().chain(&connection.to);
-        drivers.elsewhere.extend(ends.filter_map(|end| match end {
-            Terminal::Port(end) => Some((end.component.value.clone(), end.name.value.clone())),
-            Terminal::Topic(_) | Terminal::Mqueue(_) => None,
-        }));
+        let ends = connection
+            .from
+            .iter()
+            .chain(&connection.to)
+            .filter_map(port);
+        let written = ends.map(|end| (end.component.value.clone(), end.name.value.clone()));
+        drivers.elsewhere.extend(written);
+    }
+    let exists = |end: &End| {
+        let mut found = to.iter().filter_map(|it| port(it.terminal));
+        found.any(|found| found.span() == end.span())
+    };
+    let unknown = connection.to.iter().filter_map(port);
+    let unknown = unknown.filter(|end| !exists(end)).filter_map(|end| {
+        meant(scene, end, |part| {
+            let inputs = part.face.inputs.iter();
+            inputs.map(|it| it.name.text.as_str()).collect()
+        })
+    });
+    drivers.elsewhere.extend(unknown);
+}
+
+/// Returns the port at an end; `None` if it is not a port.
+fn port(terminal: &Terminal) -> Option<&End> {
+    match terminal {
+        Terminal::Port(end) => Some(end),
+        Terminal::Topic(_) | Terminal::Mqueue(_) => None,
     }
 }
 

@@ -18,6 +18,7 @@ mod external;
 mod fan_out;
 mod gateway;
 mod literal;
+mod meant;
 mod operations;
 mod profile;
 mod promote;

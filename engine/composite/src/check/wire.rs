@@ -8,11 +8,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::endpoints::{EndpointService, nearest_service};
+use super::endpoints::EndpointService;
+use super::meant::meant;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::{external, fan_out};
 use crate::finding::Findings;
-use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
+use crate::model::{DEFAULT_TIMEOUT_MS, Promoted, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut joined = Joined::default();
@@ -135,7 +136,10 @@ fn wire<'w>(
     let key = (end.component.value.clone(), end.name.value.clone());
     joined.take(key, end.span(), Some(wire), report);
     if reference.is_none() {
-        joined.meant.extend(meant(scene, end));
+        joined.meant.extend(meant(scene, end, |part| {
+            let references = part.face.references.iter();
+            references.map(|it| it.name.text.as_str()).collect()
+        }));
     }
     let over_http = external::is_over_http(wire);
     if !over_http {
@@ -153,21 +157,6 @@ fn wire<'w>(
             at,
         });
     }
-}
-
-/// Returns the reference presumably meant by an unknown name: the most similar one, or the only one of the component.
-fn meant(scene: &CheckedComposite<'_>, end: &End) -> Option<(String, String)> {
-    let parts = &scene.parts;
-    let part = parts
-        .iter()
-        .find(|part| part.component.name.value == end.component.value)?;
-    let references = &part.face.references;
-    let name = match (nearest_service(references, &end.name), &**references) {
-        (Some(nearest), _) => nearest.name,
-        (None, [only]) => only.name.text.clone(),
-        (None, _) => return None,
-    };
-    Some((end.component.value.clone(), name))
 }
 
 /// Returns whether the caller waits for a reply. Calls to several services are one-way.
