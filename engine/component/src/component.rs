@@ -43,9 +43,7 @@ pub trait Component: Any + Send {
     /// Runs the last cycle, with the inputs of the cycle before (RTT `stopHook`): the place for the last samples and for
     /// replies to waiting requests. One-way calls leave too; other calls end as cancelled at once. The engine then writes
     /// the [safe samples](crate::Interface::safe) of the outputs, also if this hook panics.
-    fn stop(&mut self, cycle: &mut Cycle<'_>) {
-        let _ = cycle;
-    }
+    fn stop(&mut self, _: &mut Cycle<'_>) {}
 
     /// Answers requests while the component is configured and stopped (a TCA task that is not scheduled still answers its
     /// services). Called instead of `update`, without counting as a cycle, when there are requests of operations marked

@@ -19,7 +19,7 @@ use self::bus_thread::BusThread;
 use self::worker::{Worker, WorkerCommand};
 use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
-use crate::context::{EventQueue, LiveContext, ThreadWaker};
+use crate::context::{EventQueue, LiveContext};
 use crate::descriptor::ComponentDescriptor;
 use crate::event::{Event, Observer};
 use crate::handle::RunHandle;
@@ -41,7 +41,9 @@ pub struct Live {
     connections: ConnectionTable,
     /// One for each component that is not a slave.
     threads: Vec<Thread>,
-    /// Threads of removed components, which end after their current cycle.
+    /// Threads of components whose addition is not certain yet.
+    new_threads: Vec<Thread>,
+    /// Threads of removed components, which end after their current cycle, and of abandoned ones.
     ending: Vec<JoinHandle<()>>,
     injections: InjectionPorts,
     /// Samples to be injected at a later time, latest first.
@@ -60,7 +62,6 @@ struct Thread {
     /// Position of the component that is not a slave.
     component: usize,
     commands: mpsc::Sender<WorkerCommand>,
-    waker: Arc<ThreadWaker>,
     handle: Option<JoinHandle<()>>,
 }
 
@@ -98,6 +99,7 @@ impl Live {
         }
         let mut live = Self {
             threads: spawn_threads(units, &descriptors, &context),
+            new_threads: Vec::new(),
             ending: Vec::new(),
             context,
             events,
@@ -217,7 +219,6 @@ impl Thread {
         Self {
             component,
             commands,
-            waker: context.waker(component),
             handle,
         }
     }
@@ -225,7 +226,9 @@ impl Thread {
     fn send(&self, command: WorkerCommand) {
         // fails if the thread has ended, in which case there is nothing left to do
         let _ = self.commands.send(command);
-        self.waker.unpark();
+        if let Some(handle) = &self.handle {
+            handle.thread().unpark();
+        }
     }
 }
 
@@ -259,9 +262,54 @@ impl Executor for Live {
         work_place(&self.context, component)
     }
 
+    fn run_for_new<R: Send + 'static>(
+        &mut self,
+        (component, name): (usize, &str),
+        work: impl FnOnce() -> R + Send + 'static,
+        late: impl FnOnce(R) + Send + 'static,
+    ) -> Option<R> {
+        let mut threads = self.new_threads.iter();
+        let thread = match threads.position(|it| it.component == component) {
+            Some(thread) => thread,
+            None => {
+                let thread = Thread::new(component, Vec::new(), name, &self.context);
+                self.new_threads.push(thread);
+                self.new_threads.len() - 1
+            }
+        };
+        let (sender, receiver) = mpsc::channel();
+        let work = move || {
+            // fails if the caller's patience has ended
+            if let Err(mpsc::SendError(result)) = sender.send(work()) {
+                late(result);
+            }
+        };
+        self.new_threads[thread].send(WorkerCommand::Work(Box::new(work)));
+        receiver.recv_timeout(self.grace_period).ok()
+    }
+
+    fn abandon_new(&mut self) {
+        for thread in self.new_threads.drain(..) {
+            thread.send(WorkerCommand::End);
+            self.ending.extend(thread.handle);
+        }
+    }
+
     fn adopt(&mut self, unit: ComponentUnit) {
         let (component, name) = (unit.index, Arc::clone(&unit.name));
-        let thread = Thread::new(component, vec![unit], &name, &self.context);
+        let mut threads = self.new_threads.iter();
+        let thread = match threads.position(|it| it.component == component) {
+            Some(thread) => {
+                let thread = self.new_threads.remove(thread);
+                if let Some(handle) = &thread.handle {
+                    let waker = self.context.waker(component);
+                    waker.set_thread(handle.thread().clone());
+                }
+                thread.send(WorkerCommand::Adopt(Box::new(unit)));
+                thread
+            }
+            None => Thread::new(component, vec![unit], &name, &self.context),
+        };
         thread.send(WorkerCommand::Release(self.context.now()));
         self.threads.push(thread);
     }

@@ -205,6 +205,17 @@ impl Executor for Simulation {
         WorkPlace::default()
     }
 
+    fn run_for_new<R: Send + 'static>(
+        &mut self,
+        _: (usize, &str),
+        work: impl FnOnce() -> R + Send + 'static,
+        _: impl FnOnce(R) + Send + 'static,
+    ) -> Option<R> {
+        Some(work())
+    }
+
+    fn abandon_new(&mut self) {}
+
     fn adopt(&mut self, unit: ComponentUnit) {
         self.timeline.add(&unit);
         if unit.state().is_running() {

@@ -755,3 +755,86 @@ fn counts(log: &Log, port: &str) -> Vec<i64> {
     let samples = log.samples::<Number>(port).into_iter();
     samples.map(|(_, number)| number.n).collect()
 }
+
+/// Takes long to configure. Counts its threads: the hooks and cycles of a component run in one.
+struct Slow {
+    pause: Duration,
+    threads: Arc<Mutex<Vec<std::thread::ThreadId>>>,
+    cleanups: Arc<AtomicU32>,
+}
+
+impl Slow {
+    fn note_thread(&self) {
+        let mut threads = self.threads.lock().unwrap();
+        threads.push(std::thread::current().id());
+    }
+}
+
+impl Component for Slow {
+    fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
+        self.note_thread();
+        std::thread::sleep(self.pause);
+        Ok(())
+    }
+
+    fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.note_thread();
+        Ok(())
+    }
+
+    fn cleanup(&mut self) {
+        self.cleanups.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn c18_a_component_that_takes_too_long_to_configure_is_not_added() {
+    let (threads, cleanups) = (Arc::default(), Arc::new(AtomicU32::new(0)));
+    let slow = |pause: Duration| {
+        let (threads, cleanups) = (Arc::clone(&threads), Arc::clone(&cleanups));
+        let activity = Activity::periodic(2.ms());
+        addition(
+            "Slow",
+            ComponentAddition::new("a test", activity, move |_: &mut Interface| {
+                let (threads, cleanups) = (Arc::clone(&threads), Arc::clone(&cleanups));
+                Ok(Box::new(Slow {
+                    pause,
+                    threads,
+                    cleanups,
+                }))
+            }),
+        )
+    };
+    let witness = Seen::default();
+    let (system, _) = system(&witness);
+    let mut run = system.live();
+    run.set_grace_period(50.ms());
+    let begin = Instant::now();
+    let first = add("First", Activity::event(), counter);
+    let refused = run.change(&[first.clone(), slow(1500.ms())]).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "`Slow` cannot be added: its `configure` takes longer than 50ms"
+    );
+    assert!(begin.elapsed() < 1.s(), "{:?}", begin.elapsed());
+    assert_eq!(run.components(), ["Steady", "Witness"]);
+    // positions and names are free, although the thread is still busy
+    run.set_grace_period(5.s());
+    run.change(&[first]).unwrap();
+    assert_eq!(run.state("First"), Some(State::Running));
+    while cleanups.load(Ordering::SeqCst) == 0 {
+        assert!(begin.elapsed() < 60.s(), "it was never cleaned up");
+        run.run_for(10.ms());
+    }
+    threads.lock().unwrap().clear();
+    run.change(&[slow(1.ms())]).unwrap();
+    while threads.lock().unwrap().len() < 3 {
+        assert!(begin.elapsed() < 60.s(), "it has no cycles");
+        run.run_for(10.ms());
+    }
+    let threads = threads.lock().unwrap().clone();
+    assert!(threads.iter().all(|it| *it == threads[0]), "{threads:?}");
+    assert_ne!(threads[0], std::thread::current().id());
+    run.stop();
+    assert!(is_gapless(&values(&witness)));
+}

@@ -257,3 +257,41 @@ fn ports_are_declared_as_by_hand() {
     assert_eq!(ports.handles(), by_hand.handles());
     assert_eq!(derived.problems(), []);
 }
+
+#[test]
+fn the_tables_of_a_declaration_show_its_ends_and_properties() {
+    let mut interface = Interface::new();
+    let _: PropertySet<Settings> = interface.properties();
+    interface.input::<Number>("n", "Numbers | even ones");
+    interface.output::<Number>("twice", "Doubled,\nin order");
+    interface.serve::<Double>("sums", "Doubles");
+    interface.serve::<Spell>("sums", "Doubles");
+    let spell = interface.require::<Spell>("speech", "Spells");
+    interface.optional(spell);
+    interface.require::<Double>("helper", "Doubles, too");
+    assert_eq!(interface.problems(), []);
+    let expected = r#"
+| port | type | |
+|---|---|---|
+| in `n` | `test/Number` | Numbers \| even ones |
+| out `twice` | `test/Number` | Doubled,<br>in order |
+| service `sums` | `test/Arithmetic`: `double`, `spell` | Doubles |
+| reference `speech` (optional) | `test/Arithmetic`: `spell` | Spells |
+| reference `helper` | `test/Arithmetic`: `double` | Doubles, too |
+
+| property | default | range | |
+|---|---|---|---|
+| `max_speed` | 0.5 m/s | 0.01 … 20.0 | Forward speed limit, on a straight line.<br>Second paragraph. |
+| `beams` | 721 | 1 … 1024 | Beams of a sweep. |
+| `timeout_s` | 0.15 s | 0.0 … 60.0 | Age from which a command no longer counts. |
+| `rest_ms` | 20.0 ms | 1.0 … 2000.0 | Rest between two attempts. |
+| `algorithm` | `astar` | astar, lattice | Planner. |
+| `rounding` | `towards_zero` | down, towards_zero | Rounding. |
+| `mount` | [0.0, 0.0, 0.0] |  | Pose of the sensor: x m, y m, yaw rad. |
+| `goals` | [] |  | Goals. |
+| `match` | true |  | Whether it works. |
+"#;
+    assert_eq!(format!("\n{}", interface.declaration().tables()), expected);
+    let without = Interface::new().declaration().tables();
+    assert_eq!(without, "| port | type | |\n|---|---|---|\n");
+}

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::common::{Double, Number, doubler, number};
 use asmotion_component::{
-    Activity, Component, Cycle, Fault, Freeze, In, Lock, OnStale, Out, Policy, Provided, RequestId,
-    Required, Sharing, Span, Time, Wire, freeze_by_fields,
+    Activity, Component, Cycle, Fault, Freeze, FrozenState, In, Lock, OnStale, Out, Policy,
+    Provided, RequestId, Required, Sharing, Span, Time, Wire, freeze_by_fields,
 };
+use asmotion_datum::{Datum, cbor};
 use asmotion_runtime::{FrozenSystem, Log, Run, Simulation, System};
 
 /// Publishes two consecutive numbers per cycle.
@@ -350,4 +351,35 @@ fn a_requested_cycle_takes_place_after_thawing() {
     other.observe(log.clone());
     other.run_until(END);
     assert_eq!(log.lines(), whole.lines());
+}
+
+#[test]
+fn a_frozen_state_names_its_component_and_version_and_has_the_bytes_of_its_fields() {
+    let fields = std::collections::BTreeMap::from([("count", 3)]);
+    let state = FrozenState::of("test::Counter", 7, &fields).unwrap();
+    assert_eq!(state.component(), "test::Counter");
+    assert_eq!(state.version(), 7);
+    assert_eq!(state.as_bytes(), cbor::encode(&fields).unwrap());
+    assert_eq!(state.to_datum().unwrap(), Datum::of(&fields).unwrap());
+    let read = state.read::<Datum>("test::Counter", 7).unwrap();
+    assert_eq!(read, Datum::of(&fields).unwrap());
+    let other = state.read::<Datum>("test::Adder", 7).unwrap_err();
+    assert!(other.to_string().contains("test::Counter"), "{other}");
+    let newer = state.read::<Datum>("test::Counter", 8).unwrap_err();
+    assert!(newer.to_string().contains('7'), "{newer}");
+    let debug = format!("{state:?}");
+    assert!(debug.contains("test::Counter"), "{debug}");
+}
+
+#[test]
+fn a_component_without_a_frozen_state_is_neither_frozen_nor_thawed() {
+    struct Silent;
+    impl Component for Silent {
+        fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+            Ok(())
+        }
+    }
+    assert!(Silent.freeze().is_err());
+    let state = FrozenState::of("test::Silent", 1, &()).unwrap();
+    assert!(Silent.thaw(&state).is_err());
 }

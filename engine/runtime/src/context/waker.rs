@@ -22,7 +22,7 @@ pub(crate) struct ThreadWaker {
     triggered: AtomicBool,
     /// A cycle was requested explicitly. Set by the run's owner, taken by the component's thread.
     cycle_requested: AtomicBool,
-    /// The thread to unpark. Set once by the spawning thread, before any component of the thread is started; nothing
+    /// The thread to unpark. Set once by the spawning thread, before any component of the thread has a cycle; nothing
     /// needs to wake it earlier.
     thread: OnceLock<Thread>,
 }

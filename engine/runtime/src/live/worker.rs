@@ -16,6 +16,10 @@ use crate::run::Act;
 pub(crate) enum WorkerCommand {
     /// Runs a function on the component at this position of the system.
     Act(usize, Act),
+    /// Runs work for a new component, which is not among the thread's components yet.
+    Work(Box<dyn FnOnce() + Send>),
+    /// Takes over a new component.
+    Adopt(Box<ComponentUnit>),
     /// Begins the cycles of the running components, at this time.
     Release(Time),
     /// Drops the component at this position of the system. The thread ends with the last one.
@@ -58,13 +62,12 @@ impl Worker {
         commands: mpsc::Receiver<WorkerCommand>,
         context: LiveContext,
     ) -> Self {
-        let member = |(unit, waker): (ComponentUnit, &Arc<ThreadWaker>)| WorkerMember {
-            unit,
-            waker: Arc::clone(waker),
-            due: Time::ZERO,
-        };
+        let wakers = wakers.iter().map(Arc::clone);
+        let members = units.into_iter().zip(wakers);
         Self {
-            members: units.into_iter().zip(wakers).map(member).collect(),
+            members: members
+                .map(|(unit, waker)| WorkerMember::new(unit, waker))
+                .collect(),
             commands,
             context,
             released: false,
@@ -116,6 +119,12 @@ impl Worker {
                         member.run_act(act, self.released, &mut self.context);
                     }
                 }
+                Ok(WorkerCommand::Work(work)) => work(),
+                Ok(WorkerCommand::Adopt(unit)) => {
+                    let waker = self.context.waker(unit.index);
+                    self.members.push(WorkerMember::new(*unit, waker));
+                    self.apply_schedule();
+                }
                 Ok(WorkerCommand::Release(at)) => {
                     self.released = true;
                     for member in &mut self.members {
@@ -153,6 +162,14 @@ impl Worker {
 }
 
 impl WorkerMember {
+    fn new(unit: ComponentUnit, waker: Arc<ThreadWaker>) -> Self {
+        Self {
+            unit,
+            waker,
+            due: Time::ZERO,
+        }
+    }
+
     /// Runs a function on the component and, once cycles are `released`, plans its next one by its new state.
     fn run_act(&mut self, act: Act, released: bool, context: &mut LiveContext) {
         let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());

@@ -1,7 +1,8 @@
 //! Addition of components to a running system.
 //!
 //! A new component is constructed, connected, configured and started before any other component is changed, so that a
-//! failure changes nothing. Its cycles begin when all changes have been made.
+//! failure changes nothing. Its cycles begin when all changes have been made. A live run waits for its hooks up to the grace
+//! period: they run in the component's own thread, so that one which hangs neither holds up the system nor ends with it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -338,25 +339,58 @@ impl<E: Executor> ChangePlan<'_, E> {
                 (step.act)(&mut staged.unit, now, &mut staged.events);
             }
         }
-        for staged in &mut self.additions {
-            if staged.unit.activity.configure_on_startup {
-                staged.transition(Transition::Configure, now)?;
+        for index in 0..self.additions.len() {
+            if self.additions[index].unit.activity.configure_on_startup {
+                self.transition_addition(index, Transition::Configure)?;
             }
         }
-        for staged in &mut self.additions {
-            if staged.unit.activity.run_on_startup && staged.unit.state() == State::Stopped {
-                staged.transition(Transition::Start, now)?;
+        for index in 0..self.additions.len() {
+            let unit = &self.additions[index].unit;
+            if unit.activity.run_on_startup && unit.state() == State::Stopped {
+                self.transition_addition(index, Transition::Start)?;
             }
         }
         Ok(())
     }
 
+    /// Carries out a transition of a new component. One that takes too long is cleaned up as soon as it has ended.
+    fn transition_addition(
+        &mut self,
+        index: usize,
+        transition: Transition,
+    ) -> Result<(), ChangeError> {
+        let now = self.run.clock();
+        let mut staged = self.additions.remove(index);
+        let (position, name) = (staged.unit.index, Arc::clone(&staged.unit.name));
+        let work = move || {
+            let made = staged.transition(transition, now);
+            (staged, made)
+        };
+        let late = move |(mut staged, _): (StagedComponent, _)| {
+            staged.unit.remove(now, &mut NoEffects);
+        };
+        match self.run.run_for_new((position, &name), work, late) {
+            Some((staged, made)) => {
+                self.additions.insert(index, staged);
+                made
+            }
+            None => {
+                let limit = self.run.change_timeout();
+                let reason = format!("its `{transition}` takes longer than {limit:?}");
+                Err(refused(&name, reason))
+            }
+        }
+    }
+
     /// Stops and cleans up the new components, because a change is impossible.
     pub(super) fn abandon_additions(&mut self) {
         let now = self.run.clock();
-        for staged in self.additions.iter_mut().rev() {
-            staged.unit.remove(now, &mut NoEffects);
+        while let Some(mut staged) = self.additions.pop() {
+            let (position, name) = (staged.unit.index, Arc::clone(&staged.unit.name));
+            let work = move || staged.unit.remove(now, &mut NoEffects);
+            self.run.run_for_new((position, &name), work, |()| {});
         }
+        self.run.abandon_new();
     }
 
     /// Lets the executor take over the new components.

@@ -50,6 +50,19 @@ pub(crate) trait Executor {
     /// Makes room for a component at this position. Returns the executor of its background work.
     fn prepare(&mut self, component: usize) -> WorkPlace;
 
+    /// Runs work for the new component at this position, with this name, in the thread that will run its cycles, and waits up to
+    /// the [change timeout](Self::change_timeout) for the result. Returns `None` if it does not come in time: it goes to `late`
+    /// then, in the same thread.
+    fn run_for_new<R: Send + 'static>(
+        &mut self,
+        component: (usize, &str),
+        work: impl FnOnce() -> R + Send + 'static,
+        late: impl FnOnce(R) + Send + 'static,
+    ) -> Option<R>;
+
+    /// Ends the threads of the new components that have not been taken over.
+    fn abandon_new(&mut self);
+
     /// Takes over a unit, whose position follows that of the last one, and begins its cycles if it runs.
     fn adopt(&mut self, unit: ComponentUnit);
 
