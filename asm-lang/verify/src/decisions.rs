@@ -6,6 +6,9 @@ use asmotion_lang::ir::FunctionId;
 use asmotion_lang::{Chooser, Environment, Value};
 use std::cell::RefCell;
 
+/// Limit for the executions of the step in a state, and for the combinations of inputs that properties mention.
+pub(crate) const MAX_EXECUTIONS: u64 = 1 << 17;
+
 /// The value of an input location.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct InputValue {

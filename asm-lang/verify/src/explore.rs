@@ -3,7 +3,7 @@
 //! A *state* contains the locations that rules update. A *node* is a state together with the values of the inputs that
 //! properties mention; without such inputs, each state is one node. The nodes of a state are consecutive.
 
-use crate::decisions::{Decision, Decisions, InputValue};
+use crate::decisions::{Decision, Decisions, InputValue, MAX_EXECUTIONS};
 use crate::fair_moves::{self, CountsBefore, FairMoves, MovedSet};
 use crate::store::StateStore;
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
@@ -12,9 +12,6 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Parent of an initial node.
 pub(crate) const NO_PARENT: u32 = u32::MAX;
-
-/// Limit for the executions of the step in a state, and for the combinations of inputs that properties mention.
-pub(crate) const MAX_EXECUTIONS: u64 = 1 << 17;
 
 /// Limits of an exploration; `None` for no limit.
 #[derive(Clone, Copy, Debug, Default)]

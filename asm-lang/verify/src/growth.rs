@@ -44,7 +44,7 @@ pub(crate) fn growing_locations<S: TransitionSystem>(
     let mut system = system.clone();
     let nodes = exploration.nodes();
     let distance = (nodes as usize).div_ceil(EXAMINED).max(1);
-    let mut seen: BTreeMap<(usize, FunctionId, Vec<Value>), History> = BTreeMap::new();
+    let mut seen: BTreeMap<(usize, FunctionId, Vec<Value>), ValueHistory> = BTreeMap::new();
     let mut states = 0;
     for node in (0..nodes).step_by(distance) {
         system.restore(exploration.state(node));
@@ -94,7 +94,7 @@ fn is_unbounded(machine: &Machine, function: FunctionId) -> bool {
 
 /// The values of a location, in the order of the exploration.
 #[derive(Default)]
-struct History {
+struct ValueHistory {
     values: BTreeSet<Value>,
     /// The first new values.
     first: Vec<Value>,
@@ -102,7 +102,7 @@ struct History {
     last_new: usize,
 }
 
-impl History {
+impl ValueHistory {
     fn add(&mut self, value: &Value, state: usize) {
         if value.is_undef() || !self.values.insert(value.clone()) {
             return;

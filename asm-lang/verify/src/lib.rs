@@ -52,6 +52,8 @@ mod reads;
 mod simplest;
 mod store;
 mod system;
+mod system_inputs;
+mod system_plan;
 mod transition;
 mod translation;
 mod verdicts;

@@ -50,7 +50,7 @@ impl Finding for TooManyAlternatives {
 impl TooManyAlternatives {
     pub fn of(specification: &Specification) -> Self {
         Self {
-            limit: crate::explore::MAX_EXECUTIONS,
+            limit: crate::decisions::MAX_EXECUTIONS,
             at: super::main_rule(specification),
         }
     }
