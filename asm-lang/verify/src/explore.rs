@@ -146,6 +146,8 @@ pub(crate) struct Exploration {
     pub faults: Vec<FoundFault>,
     /// States in which no step changes anything; the first one, and their number.
     pub stuck: Vec<u32>,
+    /// Nodes from which a step changes more than the environment, if it has a part of the state.
+    moving: Truths,
     /// Number of initial nodes.
     pub initial: u32,
     /// Number of explored nodes.
@@ -247,6 +249,36 @@ impl Exploration {
         start.unwrap_or(nodes)..end.unwrap_or(nodes)
     }
 
+    /// Returns the states from which nothing but the environment ever changes, in ascending order.
+    fn stuck_for_ever(&self) -> Vec<u32> {
+        let count = self.nodes() as usize;
+        let mut before: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for node in 0..self.nodes() {
+            for target in self.successors(node) {
+                if let Some(before) = before.get_mut(*target as usize) {
+                    before.push(node);
+                }
+            }
+        }
+        let mut waiting: Vec<u32> = (0..self.nodes())
+            .filter(|it| self.moving.get(*it))
+            .collect();
+        let mut lives = vec![false; count];
+        while let Some(node) = waiting.pop() {
+            let Some(lives) = lives.get_mut(node as usize).filter(|lives| !**lives) else {
+                continue;
+            };
+            *lives = true;
+            let before = before.get(node as usize);
+            waiting.extend(before.into_iter().flatten());
+        }
+        let dies = |state: &u32| {
+            let mut nodes = self.nodes_of(*state);
+            !nodes.is_empty() && nodes.all(|node| lives.get(node as usize) == Some(&false))
+        };
+        (0..self.states.len() as u32).filter(dies).collect()
+    }
+
     /// Returns the greatest number of steps on a shortest path.
     pub fn depth(&self) -> u32 {
         (self.levels.len() as u32).saturating_sub(1)
@@ -281,6 +313,11 @@ pub(crate) struct Explorer<'a, S> {
     packed: Vec<u8>,
     /// Transitions of the node that is being explored, with their labels.
     edges: Vec<(u32, u32)>,
+    /// State of the node that is being explored, and of its successor, without the environment.
+    own_before: Vec<u8>,
+    own: Vec<u8>,
+    /// `true` if a part of the state belongs to the environment.
+    has_surroundings: bool,
     /// `true` if a state was left out because of the elements in it.
     lacks_elements: bool,
     /// `true` if fairness refers to the labels of transitions.
@@ -299,6 +336,9 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             system.keep_candidates();
         }
         let count = conditions.terms.len();
+        let has_surroundings = system.has_surroundings();
+        // whether a state is stuck depends on the later steps of the environment
+        let keeps_edges = keeps_edges || has_surroundings;
         let has_labels = keeps_edges && !(system.fairness().is_empty() && fair.is_empty());
         let found = Exploration {
             truths: vec![Truths::default(); count],
@@ -321,6 +361,9 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             edges: Vec::new(),
             has_labels,
             lacks_elements: false,
+            own_before: Vec::new(),
+            own: Vec::new(),
+            has_surroundings,
         }
     }
 
@@ -347,6 +390,9 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             self.expand(node)?;
             node += 1;
             self.found.explored = node;
+        }
+        if self.has_surroundings && self.found.incomplete.is_none() {
+            self.found.stuck = self.found.stuck_for_ever();
         }
         if self.lacks_elements {
             self.found.incomplete = self.found.incomplete.or(Some(Incomplete::Reserve));
@@ -442,6 +488,8 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             return Ok(());
         }
         self.decisions.restart();
+        self.own_before.clear();
+        self.system.pack_own(&mut self.own_before);
         let mut executions = 0;
         let mut rests = true;
         loop {
@@ -460,7 +508,14 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
                     self.found.transitions += u64::from(has_updates);
                     self.packed.clear();
                     self.system.pack(&mut self.packed);
-                    rests &= self.arrive(node)? == state;
+                    let reached = self.arrive(node)?;
+                    rests &= if self.has_surroundings {
+                        self.own.clear();
+                        self.system.pack_own(&mut self.own);
+                        self.own == self.own_before
+                    } else {
+                        reached == state
+                    };
                 }
                 Err(fault) => {
                     rests = false;
@@ -599,6 +654,10 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             }
             self.edges.clear();
             found.edge_ends.push(found.targets.len() as u64);
+        }
+        if self.has_surroundings {
+            found.moving.push(!rests);
+            return;
         }
         // a state is stuck if it is so with all inputs
         let nodes = found.nodes_of(state);

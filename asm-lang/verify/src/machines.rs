@@ -223,6 +223,19 @@ impl TransitionSystem for MachineSystem<'_> {
         }
     }
 
+    fn has_surroundings(&self) -> bool {
+        self.plan.environment.is_some() || self.plan.changes.is_some()
+    }
+
+    fn pack_own(&self, to: &mut Vec<u8>) {
+        for index in self.plan.scheduled() {
+            if let Some(machine) = self.machines.get(index) {
+                machine.pack_state(to);
+            }
+        }
+        self.post.pack(&self.machines, to);
+    }
+
     fn restore(&mut self, state: &[u8]) {
         // cannot fail: the bytes are from this system
         let _ = self.restore_all(state);

@@ -104,6 +104,9 @@ impl Post {
             // a late reply has no effect, but a late request is received
             known.is_some() || !it.is_reply
         });
+        // their order has no effect
+        self.exchanges
+            .sort_by_key(|it| (it.provider, it.request, it.client));
     }
 
     /// Ends a call: its reply comes too late.
@@ -121,9 +124,7 @@ impl Post {
     }
 
     /// Writes everything that affects later steps. The machines have been renumbered.
-    pub fn pack(&mut self, machines: &[Machine], to: &mut Vec<u8>) {
-        self.exchanges
-            .sort_by_key(|it| (it.provider, it.request, it.client));
+    pub fn pack(&self, machines: &[Machine], to: &mut Vec<u8>) {
         let mut writer = ByteWriter { machines, to };
         writer.number(self.letters.len() as u64);
         for letter in &self.letters {

@@ -152,6 +152,14 @@ pub(crate) trait TransitionSystem: Clone + Send {
     /// Reverses the last step, successful or failed.
     fn revert(&mut self);
 
+    /// Returns `true` if a part of the state belongs to the environment, and can change for ever while nothing else does.
+    fn has_surroundings(&self) -> bool {
+        false
+    }
+
+    /// Appends the bytes of the current state without the part of the environment. The state has been packed or restored before.
+    fn pack_own(&self, _to: &mut Vec<u8>) {}
+
     /// Executes a step; returns `true` if it updates a location. The inputs in `known` are given, others are decided.
     ///
     /// # Errors

@@ -225,3 +225,58 @@ default init s0:
     assert_eq!(verdict(1).0, "holds");
     assert_eq!(verdict(2).0, "violated");
 }
+
+#[test]
+fn a_system_is_stuck_although_its_environment_goes_on() {
+    let latch = "asm latch
+import StandardLibrary
+signature:
+  monitored signal: Boolean
+  controlled isSet: Boolean
+definitions:
+  main rule r_Main = if signal and not isSet then isSet := true endif
+default init s0:
+  function isSet = false
+";
+    let clock = |first: &str| {
+        format!(
+            "asm clock
+import StandardLibrary
+signature:
+  out signal: Boolean
+  controlled tick: Boolean
+definitions:
+  main rule r_Main = par tick := not tick signal := {first} endpar
+default init s0:
+  function tick = false
+  function signal = false
+"
+        )
+    };
+    let stuck = |environment: EnvironmentModel, end: Option<&str>| {
+        let system = SystemSpecification::of(open(latch)).with_environment(environment);
+        let options = Options {
+            ends: end.map(ToOwned::to_owned),
+            ..Options::default()
+        };
+        let verification = verified_system(system, &options);
+        let stuck = verification.properties.iter();
+        let mut stuck = stuck.filter(|it| it.text == "no state is stuck");
+        let run = stuck.next().unwrap().verdict.clone();
+        match run {
+            Verdict::Violated(Some(run)) => Some(run.steps.len()),
+            Verdict::Holds(_) | Verdict::Violated(None) | Verdict::Unknown => None,
+        }
+    };
+    let specification = |text: &str| EnvironmentModel::Specification(Box::new(open(text)));
+    // set in the second step, after which only the clock goes on
+    assert_eq!(stuck(specification(&clock("tick")), None), Some(5));
+    assert_eq!(stuck(specification(&clock("tick")), Some("isSet")), None);
+    // never set
+    assert_eq!(stuck(specification(&clock("false")), None), Some(1));
+    assert_eq!(stuck(EnvironmentModel::Hold { changes: 1 }, None), Some(1));
+    assert_eq!(
+        stuck(EnvironmentModel::Hold { changes: 1 }, Some("isSet")),
+        None
+    );
+}
