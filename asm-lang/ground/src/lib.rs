@@ -18,6 +18,7 @@ mod library;
 mod program;
 mod ranges;
 mod rule;
+mod substitute;
 mod term;
 mod visit;
 

@@ -195,7 +195,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
             let done = system.begin(&decisions);
             packed.clear();
             system.pack(&mut packed);
-            if done.is_err() || packed == wanted || !decisions.advance() {
+            if done.is_err() || *packed == *wanted || !decisions.advance() {
                 break;
             }
             system.restore(&before);
@@ -217,14 +217,14 @@ impl<S: TransitionSystem> Replay<'_, S> {
         let mut counts = CountsBefore::default();
         let mut packed = Vec::new();
         loop {
-            system.restore(from_state);
+            system.restore(&from_state);
             self.fair.before(&system, &mut counts);
             let done = system.step(&decisions, self.exploration.inputs(from));
             packed.clear();
             system.pack(&mut packed);
-            let moved = self.fair.moved(&system, &counts, packed != from_state);
+            let moved = self.fair.moved(&system, &counts, *packed != *from_state);
             let is_meant = wanted.is_none_or(|wanted| wanted == moved);
-            if done.is_ok() && packed == to_state && is_meant {
+            if done.is_ok() && *packed == *to_state && is_meant {
                 return Some(decisions.taken());
             }
             if !decisions.advance() {

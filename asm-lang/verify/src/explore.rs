@@ -8,7 +8,9 @@ use crate::fair_moves::{self, CountsBefore, FairMoves, MovedSet};
 use crate::store::StateStore;
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
 use asmotion_lang::Value;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
+use std::fmt::Debug;
 
 /// Parent of an initial node.
 pub(crate) const NO_PARENT: u32 = u32::MAX;
@@ -86,7 +88,7 @@ pub(crate) struct Truths {
 }
 
 impl Truths {
-    fn push(&mut self, truth: bool) {
+    pub fn push(&mut self, truth: bool) {
         if self.len.is_multiple_of(64) {
             self.words.push(0);
         }
@@ -115,21 +117,47 @@ pub(crate) struct Conditions {
     pub assumed: Vec<usize>,
 }
 
+/// How far an exploration has come.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reached {
+    /// The node to explore next.
+    pub node: u32,
+    pub states: u64,
+    /// Number of explored states.
+    pub explored: u32,
+    /// Memory in use besides that of the exploration, in bytes.
+    pub memory: u64,
+}
+
+/// States that are stored as words.
+pub(crate) trait WordStates: Debug {
+    /// Returns the number of states.
+    fn len(&self) -> usize;
+
+    /// Returns the bytes of a state, as the system packs it.
+    fn bytes(&self, state: u32) -> Vec<u8>;
+
+    /// Returns the memory in use, in bytes.
+    fn memory(&self) -> usize;
+}
+
 /// Everything that was found.
 #[derive(Debug, Default)]
 pub(crate) struct Exploration {
     pub states: StateStore,
+    /// The states as words, in place of `states`; each is then one node.
+    pub words: Option<Box<dyn WordStates>>,
     /// First node of each state.
-    first_nodes: Vec<u32>,
+    pub first_nodes: Vec<u32>,
     /// State of each node.
     pub state_of: Vec<u32>,
     /// Inputs of each node: an index into `inputs`.
-    inputs_of: Vec<u32>,
-    inputs: Vec<Vec<InputValue>>,
+    pub inputs_of: Vec<u32>,
+    pub inputs: Vec<Vec<InputValue>>,
     /// Predecessor of each node on a shortest path.
     pub parents: Vec<u32>,
     /// First node of each depth.
-    levels: Vec<u32>,
+    pub levels: Vec<u32>,
     /// Truth values of the conditions.
     pub truths: Vec<Truths>,
     /// Number of nodes at which each condition is undef.
@@ -164,7 +192,18 @@ pub(crate) struct Exploration {
 impl Exploration {
     /// Returns the number of nodes.
     pub fn nodes(&self) -> u32 {
-        self.state_of.len() as u32
+        match &self.words {
+            Some(words) => words.len() as u32,
+            None => self.state_of.len() as u32,
+        }
+    }
+
+    /// Returns the number of states.
+    pub fn state_count(&self) -> u64 {
+        match &self.words {
+            Some(words) => words.len() as u64,
+            None => self.states.len() as u64,
+        }
     }
 
     /// Returns the known inputs of a node.
@@ -175,15 +214,20 @@ impl Exploration {
     }
 
     /// Returns the bytes of a node's state.
-    pub fn state(&self, node: u32) -> &[u8] {
+    pub fn state(&self, node: u32) -> Cow<'_, [u8]> {
+        if let Some(words) = &self.words {
+            return Cow::Owned(words.bytes(node));
+        }
         let state = self.state_of.get(node as usize);
-        state
-            .map(|state| self.states.get(*state))
-            .unwrap_or_default()
+        let state = state.map(|state| self.states.get(*state));
+        Cow::Borrowed(state.unwrap_or_default())
     }
 
     /// Returns the nodes of a state.
     pub fn nodes_of(&self, state: u32) -> std::ops::Range<u32> {
+        if self.words.is_some() {
+            return state..state + 1;
+        }
         let at = state as usize;
         let from = self.first_nodes.get(at).copied().unwrap_or_default();
         let to = self.first_nodes.get(at + 1).copied();
@@ -284,7 +328,7 @@ impl Exploration {
         (self.levels.len() as u32).saturating_sub(1)
     }
 
-    fn memory(&self) -> u64 {
+    pub fn memory(&self) -> u64 {
         let per_node =
             self.state_of.capacity() + self.inputs_of.capacity() + self.parents.capacity();
         let words = self.truths.iter().map(|truths| truths.words.capacity() * 8);
@@ -292,7 +336,71 @@ impl Exploration {
             + self.targets.capacity() * 4
             + self.labels.capacity() * 4;
         let own = per_node * 4 + self.first_nodes.capacity() * 4 + edges + words.sum::<usize>();
-        (own + self.states.memory()) as u64
+        let words = self.words.as_ref().map_or(0, |words| words.memory());
+        (own + self.states.memory() + words) as u64
+    }
+
+    /// Returns the limit that is reached before this node is explored, if any.
+    pub fn limit(
+        &self,
+        limits: Limits,
+        reached: Reached,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Option<Incomplete> {
+        let Reached {
+            node,
+            states,
+            explored,
+            memory,
+        } = reached;
+        let depth = self.depth();
+        if limits.depth.is_some_and(|limit| depth >= limit) {
+            return Some(Incomplete::Depth);
+        }
+        if limits.states.is_some_and(|limit| states > limit) {
+            return Some(Incomplete::States);
+        }
+        if !node.is_multiple_of(256) {
+            return None;
+        }
+        let memory = memory + self.memory();
+        if limits.memory.is_some_and(|limit| memory > limit) {
+            return Some(Incomplete::Memory);
+        }
+        let progress = Progress {
+            states,
+            explored: explored.into(),
+            transitions: self.transitions,
+            depth,
+            memory,
+        };
+        (!proceed(progress)).then_some(Incomplete::Stopped)
+    }
+
+    /// Records a step that fails.
+    pub fn fault(
+        &mut self,
+        node: u32,
+        decisions: Vec<Decision>,
+        fault: MachineFault,
+    ) -> Result<(), ExplorationError> {
+        if fault.is_of_input() {
+            return Err(ExplorationError::Input(fault));
+        }
+        if node == 0 && fault.step().is_some_and(|fault| fault.step == 0) {
+            return Err(ExplorationError::Initial(fault));
+        }
+        if let Some(known) = self.faults.iter_mut().find(|it| it.fault.is_like(&fault)) {
+            known.count += 1;
+        } else {
+            self.faults.push(FoundFault {
+                node,
+                decisions,
+                fault,
+                count: 1,
+            });
+        }
+        Ok(())
     }
 }
 
@@ -382,7 +490,14 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
                 self.found.levels.push(node);
                 level_end = self.found.nodes();
             }
-            let limit = self.found.incomplete.or_else(|| self.limit(node, proceed));
+            let reached = Reached {
+                node,
+                states: self.found.state_count(),
+                explored: self.found.state_of.get(node as usize).copied().unwrap_or(0),
+                memory: 0,
+            };
+            let limit = self.found.incomplete;
+            let limit = limit.or_else(|| self.found.limit(self.limits, reached, proceed));
             if let Some(reason) = limit {
                 self.found.incomplete = Some(reason);
                 break;
@@ -426,43 +541,6 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         }
     }
 
-    /// Returns the limit that is reached, if any.
-    fn limit(
-        &mut self,
-        node: u32,
-        proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Option<Incomplete> {
-        let states = self.found.states.len() as u64;
-        let depth = self.found.depth();
-        if self.limits.depth.is_some_and(|limit| depth >= limit) {
-            return Some(Incomplete::Depth);
-        }
-        if self.limits.states.is_some_and(|limit| states > limit) {
-            return Some(Incomplete::States);
-        }
-        if !node.is_multiple_of(256) {
-            return None;
-        }
-        let memory = self.found.memory();
-        if self.limits.memory.is_some_and(|limit| memory > limit) {
-            return Some(Incomplete::Memory);
-        }
-        let progress = Progress {
-            states,
-            explored: self
-                .found
-                .state_of
-                .get(node as usize)
-                .copied()
-                .unwrap_or(0)
-                .into(),
-            transitions: self.found.transitions,
-            depth,
-            memory,
-        };
-        (!proceed(progress)).then_some(Incomplete::Stopped)
-    }
-
     /// Returns `true` if a machine has created more elements than permitted.
     fn exceeds_reserve(&self) -> bool {
         let limit = self.limits.reserve;
@@ -481,7 +559,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             .get(node as usize)
             .copied()
             .unwrap_or_default();
-        let bytes = self.found.state(node).to_vec();
+        let bytes = self.found.state(node).into_owned();
         self.system.restore(&bytes);
         if self.system.has_ended() {
             self.finish(node, state, false);
@@ -519,7 +597,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
                 }
                 Err(fault) => {
                     rests = false;
-                    self.fault(node, fault)?;
+                    self.found.fault(node, self.decisions.taken(), fault)?;
                 }
             }
             if !self.decisions.advance() {
@@ -669,26 +747,5 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         } else if found.stuck.last() == Some(&state) {
             found.stuck.pop();
         }
-    }
-
-    fn fault(&mut self, node: u32, found: MachineFault) -> Result<(), ExplorationError> {
-        if found.is_of_input() {
-            return Err(ExplorationError::Input(found));
-        }
-        if node == 0 && found.step().is_some_and(|fault| fault.step == 0) {
-            return Err(ExplorationError::Initial(found));
-        }
-        let same = |known: &&mut FoundFault| known.fault.is_like(&found);
-        if let Some(known) = self.found.faults.iter_mut().find(same) {
-            known.count += 1;
-        } else {
-            self.found.faults.push(FoundFault {
-                node,
-                decisions: self.decisions.taken(),
-                fault: found,
-                count: 1,
-            });
-        }
-        Ok(())
     }
 }

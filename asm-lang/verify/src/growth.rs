@@ -47,7 +47,7 @@ pub(crate) fn growing_locations<S: TransitionSystem>(
     let mut seen: BTreeMap<(usize, FunctionId, Vec<Value>), ValueHistory> = BTreeMap::new();
     let mut states = 0;
     for node in (0..nodes).step_by(distance) {
-        system.restore(exploration.state(node));
+        system.restore(&exploration.state(node));
         states += 1;
         for (index, machine) in system.machines().iter().enumerate() {
             for (function, arguments, slot) in machine.state().locations(machine.program()) {

@@ -206,9 +206,9 @@ impl<S: TransitionSystem> LayerSearch<'_, S> {
         to: &[u32],
         wanted: Option<MovedSet>,
     ) -> Option<Vec<LayerMove>> {
-        let mut targets: FxHashMap<&[u8], Vec<u32>> = FxHashMap::default();
+        let mut targets: FxHashMap<Vec<u8>, Vec<u32>> = FxHashMap::default();
         for node in to {
-            let state = self.exploration.state(*node);
+            let state = self.exploration.state(*node).into_owned();
             targets.entry(state).or_default().push(*node);
         }
         let mut moves = Vec::new();
@@ -216,19 +216,20 @@ impl<S: TransitionSystem> LayerSearch<'_, S> {
         let mut packed = Vec::new();
         for &node in from {
             let first = moves.len();
+            let state = self.exploration.state(node);
             decisions.restart();
             loop {
                 self.executions += 1;
                 if self.executions > MAX_LAYER_EXECUTIONS {
                     return None;
                 }
-                self.system.restore(self.exploration.state(node));
+                self.system.restore(&state);
                 self.fair.before(&self.system, &mut self.counts);
                 let known = self.exploration.inputs(node);
                 let done = self.system.step(&decisions, known);
                 packed.clear();
                 self.system.pack(&mut packed);
-                let is_changed = packed != self.exploration.state(node);
+                let is_changed = *packed != *state;
                 let moved = self.fair.moved(&self.system, &self.counts, is_changed);
                 let is_wanted = done.is_ok() && wanted.is_none_or(|wanted| wanted == moved);
                 let reached = targets.get(packed.as_slice()).filter(|_| is_wanted);
@@ -279,7 +280,7 @@ impl<S: TransitionSystem> LayerSearch<'_, S> {
     fn failing(&mut self, node: u32, taken: &[Decision]) -> LayerMove {
         let decisions = Decisions::default();
         decisions.repeat(taken);
-        self.system.restore(self.exploration.state(node));
+        self.system.restore(&self.exploration.state(node));
         // the step fails, as is known
         let _ = self.system.step(&decisions, self.exploration.inputs(node));
         let mut failing = self.taken(node, None, &decisions);

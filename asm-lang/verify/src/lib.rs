@@ -36,6 +36,7 @@ mod explore;
 mod fair_moves;
 mod final_states;
 mod formula;
+mod grounded;
 mod growth;
 mod guards;
 mod inputs;

@@ -51,4 +51,7 @@ pub struct Options {
     pub contents: Vec<ContentValues>,
     /// How messages travel.
     pub messages: MessageModel,
+    /// `true` to let a machine execute every step. By default, the steps of one specification over finite ranges are executed in
+    /// grounded form, which is faster and gives the same result.
+    pub without_grounding: bool,
 }

@@ -206,6 +206,11 @@ pub(crate) trait TransitionSystem: Clone + Send {
     /// Keeps the candidates that `choose` rules take, in the records of future steps.
     fn keep_candidates(&mut self);
 
+    /// Returns the machine and the values of its inputs, if the system is one machine whose inputs have any of these values.
+    fn single(&self) -> Option<(&Machine, &InputRanges)> {
+        None
+    }
+
     /// Returns the coverage counts of each machine.
     fn counts(&self) -> Vec<Vec<u64>> {
         self.machines().iter().map(Machine::counts).collect()
@@ -278,5 +283,9 @@ impl TransitionSystem for SingleMachine<'_> {
 
     fn keep_candidates(&mut self) {
         self.machine.keep_candidates();
+    }
+
+    fn single(&self) -> Option<(&Machine, &InputRanges)> {
+        Some((&self.machine, self.ranges))
     }
 }

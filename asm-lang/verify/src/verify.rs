@@ -7,8 +7,9 @@ use crate::codes::main_rule;
 use crate::counterexample::Replay;
 use crate::due_fairness::DueFairness;
 use crate::environment::EnvironmentModel;
-use crate::explore::{ExplorationError, Explorer, Incomplete, Progress};
+use crate::explore::{Exploration, ExplorationError, Explorer, Incomplete, Progress};
 use crate::fair_moves::FairMoves;
+use crate::grounded;
 use crate::growth::{GrowingLocation, growing_locations};
 use crate::inputs::InputRanges;
 use crate::machines::MachineSystem;
@@ -44,6 +45,10 @@ pub struct Verification {
     pub incomplete: Option<Incomplete>,
     /// Locations that take ever new values, if not all states were explored.
     pub growing: Vec<GrowingLocation>,
+    /// `true` if the steps were executed in grounded form.
+    pub is_grounded: bool,
+    /// Memory in use for states and transitions at the end of the exploration, in bytes.
+    pub memory: u64,
 }
 
 /// The reason for which a specification cannot be verified.
@@ -204,15 +209,8 @@ impl Exploring<'_> {
         system: S,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
-        let explorer = Explorer::new(
-            system.clone(),
-            &self.properties.conditions,
-            self.options.limits,
-            self.properties.needs_graph(),
-            self.fair,
-        );
-        let exploration = explorer
-            .run(proceed)
+        let exploration = self
+            .explore(&system, proceed)
             .map_err(|error| self.explain(&system, &error))?;
         if exploration.initial == 0 {
             let finding = NothingAssumed {
@@ -239,7 +237,7 @@ impl Exploring<'_> {
         } else {
             Vec::new()
         };
-        let (states, depth) = (exploration.states.len() as u64, exploration.depth());
+        let (states, depth) = (exploration.state_count(), exploration.depth());
         Ok(Verification {
             machines: Vec::new(),
             properties,
@@ -250,7 +248,26 @@ impl Exploring<'_> {
             depth,
             incomplete: exploration.incomplete,
             growing,
+            is_grounded: exploration.words.is_some(),
+            memory: exploration.memory(),
         })
+    }
+
+    /// Explores a system, in its grounded form if it has one.
+    fn explore<S: TransitionSystem>(
+        &self,
+        system: &S,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Exploration, ExplorationError> {
+        let (conditions, limits) = (&self.properties.conditions, self.options.limits);
+        let keeps_edges = self.properties.needs_graph();
+        if !self.options.without_grounding && self.fair.is_empty() {
+            let grounded = grounded::explore(system, conditions, limits, keeps_edges, proceed)?;
+            if let Some(exploration) = grounded {
+                return Ok(exploration);
+            }
+        }
+        Explorer::new(system.clone(), conditions, limits, keeps_edges, self.fair).run(proceed)
     }
 
     fn explain<S: TransitionSystem>(

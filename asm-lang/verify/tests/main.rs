@@ -10,6 +10,7 @@ mod bad_input;
 mod counts;
 mod environments;
 mod fairness;
+mod grounded;
 mod models;
 mod naive;
 mod naive_systems;

@@ -170,7 +170,7 @@ impl Random {
         }
     }
 
-    fn specification(&mut self) -> String {
+    pub fn specification(&mut self) -> String {
         let rule = self.rule(4);
         format!(
             "asm model

@@ -1,0 +1,215 @@
+//! Distinct states per CPU second, compared with Spin's breadth-first search, on the models of `../shared/verify`.
+//!
+//! `cargo bench -p asmotion-verify --bench spin` runs both in turn, each in a process of its own, and prints the median of the
+//! rounds. Spin's verifier is compiled with `-O3 -DSAFETY -DNOREDUCE -DBFS`; its compilation is not counted, whereas reading and
+//! grounding the specification are.
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a program that reads files and prints"
+)]
+
+use asmotion_lang::MemoryFiles;
+use asmotion_verify::{Options, verify};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Number of rounds.
+const ROUNDS: usize = 5;
+
+/// Model, states, transitions with the initial state, and the invariant that Spin asserts.
+const MODELS: [(&str, u64, u64, &str); 4] = [
+    (
+        "phil",
+        1_331_714,
+        13_774_113,
+        "(forall $i in Pid with not (pc($i) = 2 and pc(($i + 1) mod 16) = 2))",
+    ),
+    (
+        "pet",
+        344_805,
+        1_205_326,
+        "(forall $a in Pid, $b in Pid with $a = $b or not (pc($a) = 4 and pc($b) = 4))",
+    ),
+    (
+        "tpc",
+        1_745_408,
+        18_507_778,
+        "(forall $a in Pid, $b in Pid with not (rm($a) = ABORTED and rm($b) = COMMITTED))",
+    ),
+    (
+        "queue",
+        1_119_232,
+        5_594_881,
+        "(forall $i in Idx with q($i) = 3 or $i < len)",
+    ),
+];
+
+/// CPU seconds, and the output of a command.
+fn timed(folder: &Path, program: &Path, arguments: &[&str]) -> (f64, String) {
+    // the shell reports the times of its child in milliseconds
+    let output = Command::new("bash")
+        .current_dir(folder)
+        .args(["-c", "TIMEFORMAT='%U %S'; time \"$@\"", "bash"])
+        .arg(program)
+        .args(arguments)
+        .output()
+        .unwrap();
+    let times = String::from_utf8_lossy(&output.stderr).into_owned();
+    let last = times.lines().last().unwrap_or_default();
+    let seconds = last.split(' ').filter_map(|it| it.parse::<f64>().ok());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    (seconds.sum(), text)
+}
+
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Verifies one model; prints states, transitions, packed bytes and the greatest memory of the process in KiB.
+fn child(model: &Path, invariant: &str) {
+    let mut files = MemoryFiles::new();
+    files.add("model.asm", &*std::fs::read_to_string(model).unwrap());
+    let Ok(specification) = asmotion_lang::open("model.asm", &files) else {
+        return;
+    };
+    let options = Options {
+        properties: vec![invariant.to_owned()],
+        ..Options::default()
+    };
+    let Ok(found) = verify(specification, &options, &mut |_| true) else {
+        return;
+    };
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let peak = peak.and_then(|line| line.split_whitespace().next());
+    let holds = found
+        .properties
+        .first()
+        .is_some_and(|it| it.verdict.holds());
+    println!(
+        "{} {} {} {} {holds}",
+        found.states,
+        found.transitions,
+        found.memory,
+        peak.unwrap_or("0")
+    );
+}
+
+/// Compiles a verifier with Spin; `None` if Spin or a C compiler is missing.
+fn spin(model: &Path, folder: &Path) -> Option<PathBuf> {
+    std::fs::create_dir_all(folder).ok()?;
+    let run = |program: &str, arguments: &[&str]| {
+        let done = Command::new(program)
+            .current_dir(folder)
+            .args(arguments)
+            .output();
+        done.is_ok_and(|output| output.status.success())
+    };
+    let pan = folder.join("pan");
+    let is_made = run("spin", &["-a", model.to_str()?])
+        && run(
+            "cc",
+            &[
+                "-O3",
+                "-DSAFETY",
+                "-DNOREDUCE",
+                "-DBFS",
+                "-w",
+                "-o",
+                "pan",
+                "pan.c",
+            ],
+        );
+    is_made.then_some(pan)
+}
+
+/// The number before a text in the output of Spin.
+fn before(output: &str, text: &str) -> f64 {
+    let line = output.lines().find(|line| line.contains(text));
+    let word = line.and_then(|line| line.split_whitespace().next());
+    word.and_then(|word| word.parse().ok()).unwrap_or(f64::NAN)
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    if let [_, flag, model, invariant] = arguments.as_slice()
+        && flag == "--model"
+    {
+        return child(Path::new(model), invariant);
+    }
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/verify");
+    if !models.exists() {
+        println!("*** SKIPPED: the models are in ../shared/verify, which is missing");
+        return;
+    }
+    let models = models.canonicalize().unwrap();
+    let own = std::env::current_exe().unwrap();
+    let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("spin");
+    let mut ratios = Vec::new();
+    println!(
+        "{:6} {:>10} {:>11} {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}",
+        "model",
+        "states",
+        "transitions",
+        "CPU s",
+        "k/CPU s",
+        "Spin CPU",
+        "ratio",
+        "B/state",
+        "process"
+    );
+    for (model, states, transitions, invariant) in MODELS {
+        let file = models.join(format!("{model}.asm"));
+        let pan = spin(
+            &models.join(format!("spin/{model}.pml")),
+            &scratch.join(model),
+        );
+        let (mut ours, mut theirs, mut ratio) = (Vec::new(), Vec::new(), Vec::new());
+        let mut last = String::new();
+        for _ in 0..ROUNDS {
+            let file = file.to_str().unwrap();
+            let (seconds, output) = timed(&models, &own, &["--model", file, invariant]);
+            ours.push(seconds);
+            last = output;
+            if let Some(pan) = &pan {
+                // without counterexamples, so that a deadlock does not end the search
+                let (seconds, output) =
+                    timed(&scratch.join(model), pan, &["-m1000000", "-E", "-c0"]);
+                let found = before(&output, "states, stored");
+                assert!(found.is_nan() || found as u64 >= states, "Spin: {output}");
+                theirs.push(seconds);
+                ratio.push(seconds / ours.last().unwrap());
+            }
+        }
+        let words: Vec<&str> = last.split_whitespace().collect();
+        let number = |index: usize| words.get(index).and_then(|it| it.parse::<u64>().ok());
+        assert_eq!(number(0), Some(states), "{model}: {last}");
+        assert_eq!(number(1), Some(transitions), "{model}: {last}");
+        let per_state = |bytes: Option<u64>| bytes.unwrap_or(0) as f64 / states as f64;
+        let seconds = median(ours);
+        println!(
+            "{model:6} {states:>10} {transitions:>11} {seconds:>9.3} {:>9.0} {:>9.3} {:>7.2} {:>7.1} {:>8.1}  {}",
+            states as f64 / seconds / 1000.0,
+            median(theirs),
+            median(ratio.clone()),
+            per_state(number(2)),
+            per_state(number(3).map(|it| it * 1024)),
+            words.get(4).unwrap_or(&"")
+        );
+        ratios.extend(pan.map(|_| median(ratio)));
+    }
+    if ratios.is_empty() {
+        println!(
+            "*** SKIPPED: the comparison needs Spin and a C compiler (Debian: apt-get install spin gcc)"
+        );
+        return;
+    }
+    let product: f64 = ratios.iter().map(|it| it.ln()).sum();
+    println!(
+        "geometric mean of the ratios: {:.2}",
+        (product / ratios.len() as f64).exp()
+    );
+}

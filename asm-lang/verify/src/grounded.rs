@@ -1,0 +1,130 @@
+//! Exploration of a grounded specification: states are words, and steps are commands on them. A machine executes the steps that are
+//! not grounded, and those that fail.
+
+mod case;
+mod command;
+mod layout;
+mod machine_steps;
+mod run;
+mod store;
+
+use crate::explore::{Conditions, Exploration, ExplorationError, Limits, Progress};
+use crate::inputs::InputRanges;
+use crate::transition::TransitionSystem;
+use asmotion_ground::{
+    GroundAlternative, GroundProgram, GroundRule, GroundTerm, GroundingContext, accesses_of_rule,
+    accesses_of_term, ground,
+};
+use asmotion_lang::{Machine, Value};
+use layout::{WordLayout, widen};
+use run::{GroundedRun, StoppedRun};
+
+/// Limit for the alternatives of a step that become commands.
+const MAX_ALTERNATIVES: usize = 2000;
+
+/// Limit for the attempts with wider and wider ranges.
+const MAX_ATTEMPTS: usize = 200;
+
+/// A step of a grounded program.
+#[derive(Debug)]
+pub(crate) enum GroundedStep {
+    /// Its choices as a list; it reads no inputs.
+    Alternatives(Vec<GroundAlternative>),
+    /// Its rule, executed once for each combination of choices and inputs.
+    Rule,
+}
+
+/// A grounded program that can be explored.
+#[derive(Debug)]
+pub(crate) struct Grounded {
+    pub program: GroundProgram,
+    pub step: GroundedStep,
+    /// The conditions of the exploration.
+    pub conditions: Vec<GroundTerm>,
+}
+
+impl Grounded {
+    /// Grounds a system; `None` if that has no advantage, or if its states are more than locations.
+    fn of(machine: &Machine, ranges: &InputRanges, conditions: &Conditions) -> Option<Self> {
+        if !machine.can_revert() || !conditions.assumed.is_empty() {
+            return None;
+        }
+        let context = GroundingContext {
+            program: machine.program(),
+            initial: machine.slots(),
+            extent: &|domain| machine.state().extent(domain).to_vec(),
+            inputs: &|function| ranges.of(function).ok().map(<[Value]>::to_vec),
+        };
+        let program = ground(&context).ok()?;
+        if program.rule == GroundRule::Machine {
+            return None;
+        }
+        let terms = conditions.terms.iter();
+        let terms = terms.map(|it| program.conditions.get(it.term.0 as usize).cloned());
+        let terms = terms.collect::<Option<Vec<GroundTerm>>>()?;
+        // a state is one node
+        if terms
+            .iter()
+            .any(|term| !accesses_of_term(term).inputs.is_empty())
+        {
+            return None;
+        }
+        let reads_inputs = !accesses_of_rule(&program.rule).inputs.is_empty();
+        let alternatives = program.alternatives(MAX_ALTERNATIVES);
+        let step = match alternatives {
+            Some(alternatives) if !reads_inputs => GroundedStep::Alternatives(alternatives),
+            Some(_) | None => GroundedStep::Rule,
+        };
+        Some(Self {
+            program,
+            step,
+            conditions: terms,
+        })
+    }
+}
+
+/// Explores a system in its grounded form. `None` if it has none, or if its states turn out to be more than locations.
+pub(crate) fn explore<S: TransitionSystem>(
+    system: &S,
+    conditions: &Conditions,
+    limits: Limits,
+    keeps_edges: bool,
+    proceed: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Option<Exploration>, ExplorationError> {
+    let Some((machine, ranges)) = system.single() else {
+        return Ok(None);
+    };
+    let Some(mut grounded) = Grounded::of(machine, ranges, conditions) else {
+        return Ok(None);
+    };
+    for _ in 0..MAX_ATTEMPTS {
+        let Some(layout) = WordLayout::of(&grounded.program) else {
+            return Ok(None);
+        };
+        let request = run::RunRequest {
+            grounded: &grounded,
+            layout: &layout,
+            conditions,
+            limits,
+            keeps_edges,
+        };
+        let stopped = match layout.words {
+            1 => GroundedRun::<1>::explore(machine, ranges, &request, proceed),
+            2 => GroundedRun::<2>::explore(machine, ranges, &request, proceed),
+            3 | 4 => GroundedRun::<4>::explore(machine, ranges, &request, proceed),
+            _ => GroundedRun::<8>::explore(machine, ranges, &request, proceed),
+        };
+        match stopped {
+            Ok(exploration) => return Ok(Some(exploration)),
+            Err(StoppedRun::Error(error)) => return Err(error),
+            Err(StoppedRun::NotGrounded) => return Ok(None),
+            Err(StoppedRun::Wider(variable, number)) => {
+                let variable = grounded.program.variables.get_mut(variable as usize);
+                if !variable.is_some_and(|variable| widen(variable, number)) {
+                    return Ok(None);
+                }
+            }
+        }
+    }
+    Ok(None)
+}

@@ -1,0 +1,431 @@
+//! Cases compiled to commands: masks and tables over the words of a state.
+
+use super::case::{Case, Closed, Conjunction, Division, NoCases};
+use super::layout::{Field, WordLayout, Words};
+use asmotion_ground::{
+    FAULT, GroundAlternative, GroundProgram, GroundTerm, Permitted, UNDEF, evaluate,
+};
+
+/// Entry of a table of codes: a machine executes the step.
+const MACHINE: u64 = u64::MAX;
+
+/// Entry of a table of codes: the layout has no code for the number.
+const WIDER: u64 = u64::MAX - 1;
+
+/// A selection of variables as an index into a table.
+#[derive(Clone, Debug)]
+struct Selection(Vec<(Field, usize)>);
+
+impl Selection {
+    fn of(layout: &WordLayout, variables: &[u32]) -> Self {
+        let mut stride = 1usize;
+        let mut fields = Vec::new();
+        for variable in variables.iter().rev() {
+            if let Some(field) = layout.field(*variable) {
+                fields.push((field.clone(), stride));
+                stride *= field.codes() as usize;
+            }
+        }
+        Self(fields)
+    }
+
+    #[inline]
+    fn index<const W: usize>(&self, state: &Words<W>) -> usize {
+        let parts = self.0.iter();
+        parts
+            .map(|(field, stride)| field.get(state) as usize * stride)
+            .sum()
+    }
+}
+
+/// A condition that no mask expresses.
+#[derive(Clone, Debug)]
+enum WordTest {
+    /// The code of a field is in a set.
+    Set(Field, u64),
+    /// A table has `true` for the selected codes.
+    Table(Selection, Box<[bool]>),
+}
+
+/// A conjunction of conditions on the words of a state.
+#[derive(Clone, Debug)]
+pub(crate) struct WordCondition<const W: usize> {
+    mask: Words<W>,
+    value: Words<W>,
+    tests: Box<[WordTest]>,
+}
+
+impl<const W: usize> WordCondition<W> {
+    pub fn of(division: &Division<'_>, when: &Conjunction) -> Self {
+        let layout = division.layout;
+        let (mut mask, mut value) = ([0; W], [0; W]);
+        let mut tests = Vec::new();
+        for (variable, codes) in &when.codes {
+            let Some(field) = layout.field(*variable) else {
+                continue;
+            };
+            let mut possible = codes
+                .iter()
+                .enumerate()
+                .filter(|(_, is_possible)| **is_possible);
+            match (possible.next(), possible.next()) {
+                (Some((code, _)), None) => {
+                    field.set(&mut mask, field.mask);
+                    field.set(&mut value, code as u64);
+                }
+                _ if codes.len() <= 64 => {
+                    let set = codes.iter().enumerate();
+                    let set = set.fold(0, |set, (code, is)| set | u64::from(*is) << code);
+                    tests.push(WordTest::Set(field.clone(), set));
+                }
+                _ => {
+                    let selection = Selection::of(layout, &[*variable]);
+                    tests.push(WordTest::Table(selection, codes.clone().into()));
+                }
+            }
+        }
+        for literal in &when.literals {
+            let values = division.values(&literal.term, &literal.variables);
+            let values = values.iter().map(|it| literal.requirement.is_met(*it));
+            let selection = Selection::of(layout, &literal.variables);
+            tests.push(WordTest::Table(selection, values.collect()));
+        }
+        Self {
+            mask,
+            value,
+            tests: tests.into(),
+        }
+    }
+
+    #[inline]
+    pub fn holds(&self, state: &Words<W>) -> bool {
+        let mut differs = 0;
+        for ((word, mask), value) in state.iter().zip(&self.mask).zip(&self.value) {
+            differs |= word & mask ^ value;
+        }
+        differs == 0 && self.tests_hold(state)
+    }
+
+    #[inline]
+    fn tests_hold(&self, state: &Words<W>) -> bool {
+        self.tests.iter().all(|test| match test {
+            WordTest::Set(field, set) => set >> field.get(state) & 1 == 1,
+            WordTest::Table(selection, table) => {
+                table.get(selection.index(state)).copied().unwrap_or(false)
+            }
+        })
+    }
+}
+
+/// The next code of a variable, computed from the state.
+#[derive(Clone, Debug)]
+enum NextCode {
+    /// The code of another field with the same coding.
+    Copy(Field),
+    /// The code that a table has for the selected codes.
+    Table(Selection, Box<[u64]>),
+    /// The value of a term.
+    Term(GroundTerm, Permitted),
+}
+
+/// The reason for which a command has no successor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoSuccessor {
+    /// A machine has to execute the step.
+    Machine,
+    /// The layout has no code for a number of this variable.
+    Wider(u32, i64),
+}
+
+/// A step under a condition.
+#[derive(Clone, Debug)]
+pub(crate) struct Command<const W: usize> {
+    pub when: WordCondition<W>,
+    /// Bits that remain as they are.
+    keep: Words<W>,
+    /// Bits that are set.
+    set: Words<W>,
+    computed: Box<[(u32, Field, NextCode)]>,
+    needs_machine: bool,
+    /// `true` if it updates a variable, even if only to the same value.
+    pub has_updates: bool,
+    /// Coverage counters that it executes.
+    pub counters: Box<[u32]>,
+}
+
+impl<const W: usize> Command<W> {
+    fn of(program: &GroundProgram, division: &Division<'_>, case: &Case) -> Self {
+        let layout = division.layout;
+        let (mut keep, mut set) = ([u64::MAX; W], [0; W]);
+        let mut computed = Vec::new();
+        let mut needs_machine = case.needs_machine;
+        let mut updates: Vec<&(u32, GroundTerm)> = Vec::new();
+        for update in &case.updates {
+            match updates.iter().find(|known| known.0 == update.0) {
+                Some(known) if known.1 == update.1 => {}
+                // perhaps a clash, which a machine describes
+                Some(_) => needs_machine = true,
+                None => updates.push(update),
+            }
+        }
+        for (variable, value) in updates {
+            let index = *variable as usize;
+            let (Some(field), Some(declared)) =
+                (layout.field(*variable), program.variables.get(index))
+            else {
+                continue;
+            };
+            let code_of = |number: i64| {
+                if number == FAULT || !declared.permitted.accepts(number) {
+                    return MACHINE;
+                }
+                field.code(number).unwrap_or(WIDER)
+            };
+            let next = match value {
+                GroundTerm::Constant(number) if code_of(*number) == MACHINE => {
+                    needs_machine = true;
+                    continue;
+                }
+                GroundTerm::Constant(number) if code_of(*number) != WIDER => {
+                    for (word, cleared) in keep.iter_mut().zip(mask_of::<W>(field)) {
+                        *word &= !cleared;
+                    }
+                    field.set(&mut set, code_of(*number));
+                    continue;
+                }
+                GroundTerm::Variable(from) => {
+                    let source = layout.field(*from);
+                    let same = source.filter(|source| {
+                        let is_alike = (source.low, source.count) == (field.low, field.count);
+                        let fits = |code| code_of(source.number(code)) < WIDER;
+                        is_alike
+                            && (0..source.codes()).len_at_most(1 << 11)
+                            && (0..source.codes()).all(fits)
+                    });
+                    same.map(|source| NextCode::Copy(source.clone()))
+                }
+                GroundTerm::Constant(_)
+                | GroundTerm::Input(_)
+                | GroundTerm::Not(_)
+                | GroundTerm::Logic(..)
+                | GroundTerm::Quantified(..)
+                | GroundTerm::Equal(..)
+                | GroundTerm::Compare(..)
+                | GroundTerm::Arithmetic(..)
+                | GroundTerm::If(..)
+                | GroundTerm::Table { .. }
+                | GroundTerm::After(..) => None,
+            };
+            let next = next.unwrap_or_else(|| {
+                if !division.is_small(value) {
+                    return NextCode::Term(value.clone(), declared.permitted.clone());
+                }
+                let reads = division.reads(value);
+                let codes = division.values(value, &reads).into_iter().map(code_of);
+                let codes: Box<[u64]> = codes.collect();
+                if codes.contains(&WIDER) {
+                    // the number is needed to choose a wider range
+                    return NextCode::Term(value.clone(), declared.permitted.clone());
+                }
+                NextCode::Table(Selection::of(layout, &reads), codes)
+            });
+            computed.push((*variable, field.clone(), next));
+        }
+        Self {
+            when: WordCondition::of(division, &case.when),
+            keep,
+            set,
+            computed: computed.into(),
+            needs_machine,
+            has_updates: !case.updates.is_empty() || case.needs_machine,
+            counters: case.counters.clone().into(),
+        }
+    }
+
+    /// Returns the next state.
+    #[inline]
+    pub fn next(&self, layout: &WordLayout, state: &Words<W>) -> Result<Words<W>, NoSuccessor> {
+        let mut next = *state;
+        for ((word, keep), set) in next.iter_mut().zip(&self.keep).zip(&self.set) {
+            *word = *word & keep | set;
+        }
+        if self.needs_machine {
+            return Err(NoSuccessor::Machine);
+        }
+        for (variable, field, code) in &self.computed {
+            let code = match code {
+                NextCode::Copy(from) => from.get(state),
+                NextCode::Table(selection, codes) => {
+                    match codes.get(selection.index(state)).copied() {
+                        Some(MACHINE) | None => return Err(NoSuccessor::Machine),
+                        Some(code) => code,
+                    }
+                }
+                NextCode::Term(term, permitted) => {
+                    let mut numbers = Vec::new();
+                    layout.decode(state, &mut numbers);
+                    let number = evaluate(term, &numbers, &mut Closed);
+                    if number == FAULT || !permitted.accepts(number) {
+                        return Err(NoSuccessor::Machine);
+                    }
+                    let code = field.code(number);
+                    code.ok_or(NoSuccessor::Wider(*variable, number))?
+                }
+            };
+            field.set(&mut next, code);
+        }
+        Ok(next)
+    }
+}
+
+/// Returns the bits of a field.
+fn mask_of<const W: usize>(field: &Field) -> Words<W> {
+    let mut mask = [0; W];
+    field.set(&mut mask, field.mask);
+    mask
+}
+
+/// Ranges with a known length.
+trait LengthLimit {
+    fn len_at_most(&self, limit: u64) -> bool;
+}
+
+impl LengthLimit for std::ops::Range<u64> {
+    fn len_at_most(&self, limit: u64) -> bool {
+        self.end.saturating_sub(self.start) <= limit
+    }
+}
+
+/// The alternatives of a step as code.
+pub(crate) struct StepCode<const W: usize> {
+    /// Commands with updates, in the order of their alternatives.
+    pub commands: Vec<Command<W>>,
+    /// Commands without updates.
+    pub idle: Vec<Command<W>>,
+    /// Alternatives that are executed part by part, each with the number of commands before it.
+    pub interpreted: Vec<(usize, GroundAlternative)>,
+}
+
+impl<const W: usize> StepCode<W> {
+    pub fn of(
+        program: &GroundProgram,
+        layout: &WordLayout,
+        alternatives: &[GroundAlternative],
+    ) -> Self {
+        let division = Division { layout };
+        let mut code = Self {
+            commands: Vec::new(),
+            idle: Vec::new(),
+            interpreted: Vec::new(),
+        };
+        for alternative in alternatives {
+            match division.cases(&alternative.guards, &alternative.rule) {
+                Ok(cases) => {
+                    for case in cases {
+                        let command = Command::of(program, &division, &case);
+                        if command.has_updates {
+                            code.commands.push(command);
+                        } else {
+                            code.idle.push(command);
+                        }
+                    }
+                }
+                Err(NoCases) => {
+                    code.interpreted
+                        .push((code.commands.len(), alternative.clone()));
+                }
+            }
+        }
+        code
+    }
+}
+
+/// The truth value of a condition in a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GroundTruth {
+    True,
+    False,
+    Undef,
+    /// A machine has to evaluate it.
+    Fault,
+}
+
+/// A condition as code.
+pub(crate) enum ConditionCode<const W: usize> {
+    /// False where one of these holds, otherwise true.
+    FalseIf(Vec<WordCondition<W>>),
+    /// True where one of these holds, otherwise false.
+    TrueIf(Vec<WordCondition<W>>),
+    /// Evaluated part by part.
+    Term(GroundTerm),
+}
+
+/// A condition with the bits that it depends on.
+pub(crate) struct CompiledCondition<const W: usize> {
+    /// The bits of the variables that it reads.
+    pub reads: Words<W>,
+    pub code: ConditionCode<W>,
+}
+
+impl<const W: usize> CompiledCondition<W> {
+    pub fn of(layout: &WordLayout, term: &GroundTerm) -> Self {
+        let division = Division { layout };
+        let mut reads = [0; W];
+        for variable in division.reads(term) {
+            if let Some(field) = layout.field(variable) {
+                for (word, bits) in reads.iter_mut().zip(mask_of::<W>(field)) {
+                    *word |= bits;
+                }
+            }
+        }
+        let conditions = |wanted| {
+            let truths = division.truths(term, wanted).ok()?;
+            let words = truths.iter().map(|it| WordCondition::of(&division, it));
+            (truths.len() <= 128).then(|| words.collect::<Vec<WordCondition<W>>>())
+        };
+        // the cases of truth and falsehood tell the values apart only if there is no third
+        let code = if division.is_total(term) {
+            let (falses, truths) = (conditions(false), conditions(true));
+            match (falses, truths) {
+                (Some(falses), Some(truths)) if falses.len() <= truths.len() => {
+                    ConditionCode::FalseIf(falses)
+                }
+                (_, Some(truths)) => ConditionCode::TrueIf(truths),
+                (Some(falses), None) => ConditionCode::FalseIf(falses),
+                (None, None) => ConditionCode::Term(term.clone()),
+            }
+        } else {
+            ConditionCode::Term(term.clone())
+        };
+        Self { reads, code }
+    }
+
+    /// Returns the value in a state.
+    pub fn truth(
+        &self,
+        layout: &WordLayout,
+        state: &Words<W>,
+        numbers: &mut Vec<i64>,
+    ) -> GroundTruth {
+        let of = |truth| {
+            if truth {
+                GroundTruth::True
+            } else {
+                GroundTruth::False
+            }
+        };
+        match &self.code {
+            ConditionCode::FalseIf(any) => of(!any.iter().any(|it| it.holds(state))),
+            ConditionCode::TrueIf(any) => of(any.iter().any(|it| it.holds(state))),
+            ConditionCode::Term(term) => {
+                layout.decode(state, numbers);
+                match evaluate(term, numbers, &mut Closed) {
+                    0 => GroundTruth::False,
+                    UNDEF => GroundTruth::Undef,
+                    FAULT => GroundTruth::Fault,
+                    _ => GroundTruth::True,
+                }
+            }
+        }
+    }
+}

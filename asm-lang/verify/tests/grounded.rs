@@ -1,0 +1,174 @@
+//! The grounded form of steps, compared with machines that execute every step.
+
+use crate::naive::Random;
+use crate::open;
+use asmotion_lang::Specification;
+use asmotion_verify::{Options, Verdict, Verification, verify};
+
+/// Everything in which two verifications of one specification must agree.
+fn summary(verification: &Verification) -> String {
+    let mut text = format!(
+        "{} states, {} transitions, {} deep, {:?}\n",
+        verification.states, verification.transitions, verification.depth, verification.incomplete
+    );
+    for property in &verification.properties {
+        let verdict = match &property.verdict {
+            Verdict::Holds(_) => "holds",
+            Verdict::Violated(_) => "violated",
+            Verdict::Unknown => "unknown",
+        };
+        text += &format!("{}: {verdict} {:?}\n", property.text, property.notes);
+        if let Some(run) = property.verdict.run() {
+            text += &format!("{} steps, cycle {:?}\n", run.steps.len(), run.cycle);
+            let faults = run.steps.iter().filter_map(|step| step.fault.as_ref());
+            for fault in faults {
+                text += &format!("fault {}\n", fault.message);
+            }
+        }
+    }
+    text
+}
+
+/// Verifies a specification in both forms; returns the grounded result.
+fn compared(
+    text: &str,
+    specification: impl Fn() -> Specification,
+    options: &Options,
+) -> Option<Verification> {
+    let plain = Options {
+        without_grounding: true,
+        ..options.clone()
+    };
+    let found = verify(specification(), options, &mut |_| true);
+    let expected = verify(specification(), &plain, &mut |_| true);
+    match (found, expected) {
+        (Ok(found), Ok(expected)) => {
+            assert!(!expected.is_grounded);
+            assert_eq!(summary(&found), summary(&expected), "{text}");
+            Some(found)
+        }
+        (Err(found), Err(expected)) => {
+            let messages = |refusal: &asmotion_verify::Refusal| {
+                let diagnostics = refusal.report.diagnostics.iter();
+                diagnostics
+                    .map(|it| it.message.clone())
+                    .collect::<Vec<String>>()
+            };
+            assert_eq!(messages(&found), messages(&expected), "{text}");
+            None
+        }
+        (found, expected) => panic!("{text}: {} {}", found.is_ok(), expected.is_ok()),
+    }
+}
+
+#[test]
+fn grounded_random_specifications_have_the_results_of_machines() {
+    let mut random = Random(0x1234_5678_9abc_def1);
+    let mut grounded = 0;
+    for _ in 0..300 {
+        let text = random.specification();
+        let properties = [
+            "ag(p or n < 3)",
+            "ef(q and n = 2)",
+            "ag(ef(m(1) = 2))",
+            "n = m(2) implies p",
+        ];
+        let options = Options {
+            properties: properties.iter().map(|it| (*it).to_owned()).collect(),
+            ..Options::default()
+        };
+        let text = text.replace(
+            "import StandardLibrary",
+            "import StandardLibrary\nimport CTLLibrary",
+        );
+        let found = compared(&text, || open(&text), &options);
+        grounded += u32::from(found.is_some_and(|it| it.is_grounded));
+    }
+    assert!(grounded > 250, "{grounded}");
+}
+
+#[test]
+fn random_specifications_without_inputs_have_the_results_of_machines() {
+    let mut random = Random(0x0dd0_5678_9abc_def1);
+    let mut grounded = 0;
+    for _ in 0..300 {
+        let text = random.specification().replace("monitored", "controlled");
+        let text = text.replace(
+            "function p = false",
+            "function p = false\n  function left = true\n  function right = undef",
+        );
+        let found = compared(&text, || open(&text), &Options::default());
+        grounded += u32::from(found.is_some_and(|it| it.is_grounded));
+    }
+    assert!(grounded > 250, "{grounded}");
+}
+
+/// The specifications below a folder.
+fn specifications(folder: &std::path::Path, found: &mut Vec<std::path::PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return;
+    };
+    let mut entries: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            specifications(&path, found);
+        } else if path.extension().is_some_and(|it| it == "asm") {
+            found.push(path);
+        }
+    }
+}
+
+/// Compares all specifications of a folder that can be opened; returns how many, and how many of them were grounded.
+fn compare_folder(folder: &std::path::Path) -> (u32, u32) {
+    let mut paths = Vec::new();
+    specifications(folder, &mut paths);
+    let (mut opened, mut grounded) = (0, 0);
+    for path in paths {
+        let mut files = asmotion_lang::MemoryFiles::new();
+        let neighbours = std::fs::read_dir(path.parent().unwrap()).unwrap().flatten();
+        for neighbour in neighbours.map(|entry| entry.path()) {
+            let name = neighbour.file_name().unwrap().to_str().unwrap();
+            if name.ends_with(".asm") {
+                files.add(name, &*std::fs::read_to_string(&neighbour).unwrap());
+            }
+        }
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        let specification = || asmotion_lang::open(&name, &files);
+        if !specification().is_ok_and(|it| it.model.main.is_some()) {
+            continue;
+        }
+        let options = Options {
+            limits: asmotion_verify::Limits {
+                states: Some(3_000),
+                ..Default::default()
+            },
+            ..Options::default()
+        };
+        let found = compared(
+            path.to_str().unwrap(),
+            || specification().unwrap(),
+            &options,
+        );
+        opened += 1;
+        grounded += u32::from(found.is_some_and(|it| it.is_grounded));
+    }
+    (opened, grounded)
+}
+
+#[test]
+fn the_specifications_of_the_repository_have_the_results_of_machines() {
+    let specs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../specs");
+    let (opened, grounded) = compare_folder(&specs);
+    assert!(opened > 10 && grounded > 2, "{opened} {grounded}");
+}
+
+#[test]
+fn the_shared_specifications_have_the_results_of_machines() {
+    for folder in ["specs", "verify"] {
+        if let Some(folder) = asmotion_skip::shared(folder) {
+            let (opened, grounded) = compare_folder(&folder);
+            assert!(opened > 2 && grounded > 1, "{opened} {grounded}");
+        }
+    }
+}
