@@ -175,7 +175,7 @@ pub(crate) struct Exploration {
     /// States in which no step changes anything; the first one, and their number.
     pub stuck: Vec<u32>,
     /// Nodes from which a step changes more than the environment, if it has a part of the state.
-    moving: Truths,
+    pub moving: Truths,
     /// Number of initial nodes.
     pub initial: u32,
     /// Number of explored nodes.

@@ -1,8 +1,8 @@
 //! Steps and conditions that a machine executes in a state given by words.
 
 use super::layout::{WordLayout, Words};
-use crate::decisions::{DecidedChoices, DecidedInputs, Decision, Decisions};
-use crate::explore::MAX_EXECUTIONS;
+use crate::decisions::{DecidedChoices, DecidedInputs, Decision, Decisions, MAX_EXECUTIONS};
+
 use crate::inputs::InputRanges;
 use crate::transition::MachineFault;
 use asmotion_ground::{GroundProgram, Sort};

@@ -5,10 +5,10 @@ use super::layout::{WordLayout, Words};
 use super::machine_steps::{NotWords, WordMachine};
 use super::store::{HashedState, WordStore};
 use super::{Grounded, GroundedStep};
-use crate::decisions::Decisions;
+use crate::decisions::{Decisions, MAX_EXECUTIONS};
 use crate::explore::{
-    Conditions, Exploration, ExplorationError, Incomplete, Limits, MAX_EXECUTIONS, NO_PARENT,
-    Progress, Reached, Truths, WordStates,
+    Conditions, Exploration, ExplorationError, Incomplete, Limits, NO_PARENT, Progress, Reached,
+    Truths, WordStates,
 };
 use crate::inputs::InputRanges;
 use asmotion_ground::{
