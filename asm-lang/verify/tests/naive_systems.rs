@@ -53,6 +53,8 @@ enum Naive {
 struct Whole {
     machines: [Machine; 2],
     letters: [Vec<Naive>; 2],
+    /// Messages on their way to each, if they are delayed.
+    under_way: [Vec<Naive>; 2],
     /// Id of the request in the provider, and id of the call in the client.
     requests: Vec<(MessageId, MessageId)>,
 }
@@ -100,13 +102,34 @@ impl Whole {
         };
         let requests = self.requests.iter().map(|(_, call)| age(call));
         format!(
-            "{locations:?} {waits} {} {} {} {} {:?}",
+            "{locations:?} {waits} {} {} {} {} {} {} {:?}",
             left.undelivered_messages(),
             right.undelivered_messages(),
             letters(&self.letters[0]),
             letters(&self.letters[1]),
+            letters(&self.under_way[0]),
+            letters(&self.under_way[1]),
             requests.collect::<Vec<_>>(),
         )
+    }
+
+    /// Puts a message into the machine that receives it.
+    fn deliver(&mut self, to: usize, letter: Naive) {
+        let waiting = self.machines[to].undelivered_messages();
+        match letter.clone() {
+            Naive::Request(data, call) => {
+                let id =
+                    self.machines[1].deliver(Value::Undef, Value::Undef, "add", Value::Int(data));
+                let calls = self.machines[0].pending_calls();
+                if calls.iter().any(|it| it.id == call) {
+                    self.requests.push((id, call));
+                }
+            }
+            Naive::Reply(data, call) => self.machines[0].end_call(call, Ok(Value::Int(data))),
+        }
+        if self.machines[to].undelivered_messages() > waiting {
+            self.letters[to].push(letter);
+        }
     }
 
     /// Lets one machine make a step. `Err` if a mailbox is full or the step fails.
@@ -114,9 +137,15 @@ impl Whole {
         &mut self,
         mover: usize,
         digits: &RefCell<Digits>,
-        is_lossy: bool,
-        mailbox: usize,
+        model: MessageModel,
     ) -> Result<(), ()> {
+        if !self.under_way[mover].is_empty() {
+            let count = digits.borrow_mut().draw(self.under_way[mover].len() + 1);
+            let arriving: Vec<Naive> = self.under_way[mover].drain(..count).collect();
+            for letter in arriving {
+                self.deliver(mover, letter);
+            }
+        }
         let seen = number(&self.machines[1 - mover]);
         let machine = &mut self.machines[mover];
         let mut inputs = Inputs {
@@ -149,29 +178,24 @@ impl Whole {
                 }
                 SentKind::Cancel { call } => {
                     self.requests.retain(|(_, known)| known != call);
+                    self.under_way[0].retain(|it| !matches!(it, Naive::Reply(_, to) if to == call));
                     continue;
                 }
                 SentKind::Message { .. } | SentKind::Call { .. } | SentKind::Reply { .. } => {
                     panic!("{message:?}")
                 }
             };
-            if is_lossy && digits.borrow_mut().draw(2) == 1 {
+            if model.is_lossy && digits.borrow_mut().draw(2) == 1 {
                 continue;
             }
-            let waiting = self.machines[to].undelivered_messages();
-            if waiting >= mailbox {
+            let waiting = self.machines[to].undelivered_messages() + self.under_way[to].len();
+            if waiting >= model.mailbox {
                 return Err(());
             }
-            match letter.clone() {
-                Naive::Request(data, call) => {
-                    let data = Value::Int(data);
-                    let id = self.machines[1].deliver(Value::Undef, Value::Undef, "add", data);
-                    self.requests.push((id, call));
-                }
-                Naive::Reply(data, call) => self.machines[0].end_call(call, Ok(Value::Int(data))),
-            }
-            if self.machines[to].undelivered_messages() > waiting {
-                self.letters[to].push(letter);
+            if model.is_delayed {
+                self.under_way[to].push(letter);
+            } else {
+                self.deliver(to, letter);
             }
         }
         Ok(())
@@ -179,7 +203,7 @@ impl Whole {
 }
 
 /// Number of states, and whether a step fails.
-fn explored(texts: &[String; 2], is_lossy: bool, mailbox: usize) -> (usize, bool) {
+fn explored(texts: &[String; 2], model: MessageModel) -> (usize, bool) {
     let [mut left, mut right] = texts
         .each_ref()
         .map(|text| crate::open(text).machine().unwrap());
@@ -190,6 +214,7 @@ fn explored(texts: &[String; 2], is_lossy: bool, mailbox: usize) -> (usize, bool
     let first = Whole {
         machines: [left, right],
         letters: [Vec::new(), Vec::new()],
+        under_way: [Vec::new(), Vec::new()],
         requests: Vec::new(),
     };
     let mut seen = BTreeSet::from([first.key()]);
@@ -200,7 +225,7 @@ fn explored(texts: &[String; 2], is_lossy: bool, mailbox: usize) -> (usize, bool
             let digits = RefCell::new(Digits::default());
             loop {
                 let mut next = whole.clone();
-                match next.step(mover, &digits, is_lossy, mailbox) {
+                match next.step(mover, &digits, model) {
                     Ok(()) => {
                         if seen.insert(next.key()) {
                             waiting.push(next);
@@ -312,24 +337,24 @@ default init s0:
 fn random_systems_have_the_states_that_a_naive_exploration_finds() {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let (mut large, mut failing) = (0, 0);
-    for round in 0..60 {
+    for round in 0..90 {
         let texts = [client(&mut random), provider(&mut random)];
-        let (is_lossy, mailbox) = (round % 3 == 0, 1 + round % 2);
-        let (states, fails) = explored(&texts, is_lossy, mailbox);
+        let model = MessageModel {
+            is_lossy: round % 3 == 0,
+            is_delayed: round % 5 < 2,
+            mailbox: 1 + round % 2,
+        };
+        let (states, fails) = explored(&texts, model);
         let system = SystemSpecification {
             machines: vec![machine("left", &texts[0]), machine("right", &texts[1])],
             ..SystemSpecification::default()
         };
         let options = Options {
-            messages: MessageModel {
-                is_lossy,
-                is_delayed: false,
-                mailbox,
-            },
+            messages: model,
             ..Options::default()
         };
         let verification = verified_system(system, &options);
-        let shown = format!("{}\n{}\n{is_lossy} {mailbox}", texts[0], texts[1]);
+        let shown = format!("{}\n{}\n{model:?}", texts[0], texts[1]);
         assert_eq!(verification.states, states as u64, "{shown}");
         let no_fault = verification.properties.iter();
         let no_fault = no_fault.filter(|it| it.text == "no step fails");

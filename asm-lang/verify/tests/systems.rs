@@ -344,3 +344,107 @@ fn the_allocation_and_its_robots_are_explored_together() {
     );
     assert_eq!(verdict_of(&verification, "ROB2.order = TASK2"), "holds");
 }
+
+#[test]
+fn recovery_ends_if_the_service_replies_or_lets_calls_time_out() {
+    let ends = "af(mode = SUCCESS or mode = GIVE_UP)";
+    let options = Options {
+        properties: vec![ends.to_owned()],
+        ..Options::default()
+    };
+    let free = SystemSpecification::of(file("recovery", "recovery", "recovery").specification);
+    assert_eq!(
+        verdict_of(&verified_system(free, &options), ends),
+        "violated"
+    );
+    let service = file("recovery", "service", "service").specification;
+    let system = SystemSpecification::of(file("recovery", "recovery", "recovery").specification)
+        .with_environment(asmotion_verify::EnvironmentModel::Specification(Box::new(
+            service,
+        )));
+    let verification = verified_system(system, &options);
+    assert_eq!(verdict_of(&verification, ends), "holds");
+    let violated = verification
+        .properties
+        .iter()
+        .filter(|it| it.verdict.is_violated());
+    let violated: Vec<&str> = violated.map(|it| it.text.as_str()).collect();
+    assert!(violated.is_empty(), "{violated:?}");
+    assert!(verification.assumptions.is_empty());
+}
+
+#[test]
+fn the_trace_of_each_machine_repeats_its_part_of_the_run() {
+    use asmotion_lang::simulate::{Causes, Recording, Simulation};
+    let verification = verified_system(service(500), &messages(true, true));
+    let possible = verification.properties.iter();
+    let mut possible = possible.filter(|it| it.text == "number = 3");
+    let run = possible.next().unwrap().verdict.run().unwrap();
+    assert_eq!(run.traces.len(), 2);
+    let texts = [CLIENT.replace("DEADLINE", "500"), SERVER.to_owned()];
+    for (index, (text, trace)) in texts.iter().zip(&run.traces).enumerate() {
+        let steps: Vec<_> = run.steps.iter().filter(|it| it.machine == index).collect();
+        let recording = Recording::read(trace);
+        assert_eq!(recording.steps().len(), steps.len());
+        let machine = crate::open(text).machine().unwrap();
+        let mut simulation = Simulation::new(machine, Causes::Recording(recording), 1);
+        for step in steps {
+            simulation.step().unwrap();
+            let machine = simulation.machine();
+            let taken = machine.last_step();
+            let changed = taken.updates().iter().zip(taken.before());
+            let changed = changed.filter(|(update, before)| update.value != **before);
+            assert_eq!(changed.count(), step.updates.len(), "{trace}");
+        }
+    }
+}
+
+#[test]
+fn a_fault_and_an_unused_rule_are_found_in_every_machine() {
+    let writer = "asm writer
+import StandardLibrary
+signature:
+  domain Number subsetof Integer
+  out number: Number
+definitions:
+  domain Number = {0:5}
+  main rule r_Main = choose $n in Number with true do number := $n
+default init s0:
+  function number = 0
+";
+    let reader = "asm reader
+import StandardLibrary
+signature:
+  domain Number subsetof Integer
+  domain Small subsetof Integer
+  monitored number: Number
+  controlled last: Small
+definitions:
+  domain Number = {0:5}
+  domain Small = {0:3}
+  rule r_never = last := 0
+  main rule r_Main = if number > 5 then r_never[] else last := number endif
+default init s0:
+  function last = 0
+";
+    let system = SystemSpecification {
+        machines: vec![machine("writer", writer), machine("reader", reader)],
+        ..SystemSpecification::default()
+    };
+    let verification = verified_system(system, &Options::default());
+    let property = |text: &str| {
+        let mut properties = verification.properties.iter();
+        properties.find(|it| it.text == text).unwrap()
+    };
+    let run = property("no step fails").verdict.run().unwrap();
+    let machines: Vec<usize> = run.steps.iter().map(|it| it.machine).collect();
+    assert_eq!(machines, [0, 1]);
+    assert!(run.steps[0].fault.is_none() && run.steps[1].fault.is_some());
+    let rules = property("every rule runs");
+    assert!(rules.verdict.is_violated());
+    let asmotion_verify::Note::Also(never) = &rules.notes[0] else {
+        panic!("{:?}", rules.notes);
+    };
+    assert_eq!(never.len(), 1);
+    assert!(never[0].starts_with("r_never"), "{never:?}");
+}
