@@ -68,3 +68,128 @@ impl IntegerInterval {
         (bounded, overflows)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OPERATIONS: [Arithmetic; 4] = [
+        Arithmetic::Plus,
+        Arithmetic::Minus,
+        Arithmetic::Mult,
+        Arithmetic::Mod,
+    ];
+
+    /// Returns the result of an operation on two integers; `None` if it exceeds 64 bits or does not exist.
+    fn result(operation: Arithmetic, left: i64, right: i64) -> Option<i64> {
+        match operation {
+            Arithmetic::Plus => left.checked_add(right),
+            Arithmetic::Minus => left.checked_sub(right),
+            Arithmetic::Mult => left.checked_mul(right),
+            // the least integer mod -1 is 0
+            Arithmetic::Mod => (right != 0).then(|| left.wrapping_rem(right)),
+        }
+    }
+
+    /// Returns all intervals between neighbouring or distant ones of these bounds.
+    fn intervals(bounds: &[i64]) -> Vec<IntegerInterval> {
+        let pairs = bounds
+            .iter()
+            .flat_map(|low| bounds.iter().map(move |high| (*low, *high)));
+        let pairs = pairs.filter(|(low, high)| low <= high);
+        pairs
+            .map(|(low, high)| IntegerInterval { low, high })
+            .collect()
+    }
+
+    /// Checks the computed intervals against the results for these numbers.
+    fn check(bounds: &[i64], numbers: &[i64]) {
+        let within = |interval: IntegerInterval| {
+            let numbers = numbers.iter().copied();
+            numbers.filter(move |number| (interval.low..=interval.high).contains(number))
+        };
+        for operation in OPERATIONS {
+            for left in intervals(bounds) {
+                for right in intervals(bounds) {
+                    let (computed, overflows) = IntegerInterval::computed(operation, left, right);
+                    assert!(
+                        computed.low <= computed.high,
+                        "{operation:?} {left:?} {right:?}"
+                    );
+                    for a in within(left) {
+                        for b in within(right) {
+                            let case = || format!("{a} {operation:?} {b} in {left:?}, {right:?}");
+                            match result(operation, a, b) {
+                                Some(number) => {
+                                    let range = computed.low..=computed.high;
+                                    assert!(range.contains(&number), "{number} = {}", case());
+                                }
+                                None if operation == Arithmetic::Mod => {}
+                                None => assert!(overflows, "{}", case()),
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn results_lie_in_the_computed_interval() {
+        // exhaustive around zero
+        let small: Vec<i64> = (-6..=6).collect();
+        check(&small, &small);
+        // and at the limits of 64 bits
+        let extreme = [
+            i64::MIN,
+            i64::MIN + 1,
+            -(1 << 32),
+            -2,
+            -1,
+            0,
+            1,
+            2,
+            1 << 32,
+            i64::MAX - 1,
+            i64::MAX,
+        ];
+        check(&extreme, &extreme);
+    }
+
+    #[test]
+    fn small_intervals_are_computed_exactly() {
+        let interval = |low, high| IntegerInterval { low, high };
+        let of = |operation, left, right| IntegerInterval::computed(operation, left, right);
+        let [plus, minus, mult, modulo] = OPERATIONS;
+        assert_eq!(
+            of(plus, interval(1, 2), interval(-3, 4)),
+            (interval(-2, 6), false)
+        );
+        assert_eq!(
+            of(minus, interval(1, 2), interval(-3, 4)),
+            (interval(-3, 5), false)
+        );
+        assert_eq!(
+            of(mult, interval(-2, 3), interval(-5, 4)),
+            (interval(-15, 12), false)
+        );
+        assert_eq!(
+            of(modulo, interval(0, 90), interval(7, 7)),
+            (interval(0, 6), false)
+        );
+        assert_eq!(
+            of(modulo, interval(-3, 90), interval(7, 7)),
+            (interval(-3, 6), false)
+        );
+        let any = IntegerInterval::ANY;
+        assert!(of(plus, any, interval(1, 1)).1);
+        assert!(!of(plus, interval(0, i64::MAX - 1), interval(1, 1)).1);
+    }
+
+    #[test]
+    fn an_interval_contains_the_intervals_joined_to_it() {
+        let joined = IntegerInterval::of(3).or(IntegerInterval { low: -2, high: 1 });
+        assert_eq!(joined, IntegerInterval { low: -2, high: 3 });
+        assert!(IntegerInterval::of(3).within(3, 3) && !joined.within(-1, 3));
+    }
+}

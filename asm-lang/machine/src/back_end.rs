@@ -88,15 +88,16 @@ impl StepContext<'_> {
 
     /// Returns `true` if part of a term failed, and discards the fault: the closure of the whole
     /// term runs next and encounters it again. A fault of the environment is kept, because the
-    /// environment is asked only once in a step.
+    /// environment is asked only once in a step, and so is one of an initial value, which is computed only once.
     pub fn take_failure(&mut self) -> bool {
         let Some(fault) = self.fault.take() else {
             return false;
         };
-        if matches!(
+        let is_of_input = matches!(
             fault.kind,
             FaultKind::Input { .. } | FaultKind::OutsideInput { .. }
-        ) {
+        );
+        if is_of_input || self.is_fault_final {
             self.fault = Some(fault);
         }
         true

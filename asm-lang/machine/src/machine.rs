@@ -555,6 +555,7 @@ impl Machine {
             building: false,
             is_before: false,
             fault: None,
+            is_fault_final: false,
             notes,
         };
         let grown = run.updates.grown();

@@ -130,6 +130,8 @@ pub struct StepContext<'a> {
     /// `true` while a term is evaluated in the state before the step.
     pub(crate) is_before: bool,
     pub(crate) fault: Option<Box<StepFault>>,
+    /// `true` if evaluating the failed term again would not fail again: a location whose initial value failed is known by then.
+    pub(crate) is_fault_final: bool,
     /// Destination of recording code; `None` in a normal step.
     pub(crate) notes: &'a mut Option<WitnessNotes>,
 }
@@ -286,10 +288,12 @@ impl StepContext<'_> {
 
     /// Returns the initial value of a location on first access.
     fn first_value(&mut self, function: FunctionId, arguments: usize) -> Value {
-        match self.program.functions[function.0 as usize].initial {
-            Some(body) => self.initial_value(body, arguments),
-            None => Value::Undef,
-        }
+        let Some(body) = self.program.functions[function.0 as usize].initial else {
+            return Value::Undef;
+        };
+        let value = self.initial_value(body, arguments);
+        self.is_fault_final |= self.fault.is_some();
+        value
     }
 
     /// Evaluates the body of an initial value in the initial state, with arguments from the stack.

@@ -32,6 +32,8 @@ enum Passage {
     Branch(usize, usize),
     /// A loop, by the numbers of its variables.
     Loop(Vec<usize>),
+    /// An outermost sequence, by number. Its updates override each other.
+    Sequence(usize),
 }
 
 /// An update in the rules, with the calls and loops around it.
@@ -100,7 +102,13 @@ fn is_apart(one: &Site, other: &Site) -> bool {
     }
     let shared = one.path.iter().zip(&other.path);
     let shared = shared.take_while(|(one, other)| one == other).count();
-    let mut loops = one.path.iter().take(shared).flat_map(Passage::variables);
+    let around = || one.path.iter().take(shared);
+    let mut loops = around().flat_map(Passage::variables);
+    let is_sequence = around().any(|passage| matches!(passage, Passage::Sequence(_)));
+    if is_sequence && loops.next().is_none() {
+        return true;
+    }
+    let mut loops = around().flat_map(Passage::variables);
     let is_told_by = |variable: &usize| {
         pairs().any(|(one, other)| {
             one == other && matches!(one, Known::Sum(known, _) if known == variable)
@@ -124,7 +132,7 @@ fn is_apart(one: &Site, other: &Site) -> bool {
 impl Passage {
     fn variables(&self) -> &[usize] {
         match self {
-            Self::Branch(..) => &[],
+            Self::Branch(..) | Self::Sequence(_) => &[],
             Self::Loop(variables) => variables,
         }
     }
@@ -211,14 +219,9 @@ impl Search<'_> {
                     self.routine(routine, Vec::new(), agent);
                 }
             }
-            RuleNode::Counted(_, rule) | RuleNode::While { body: rule, .. } => {
-                self.rule(rule, locals, agent);
-            }
-            RuleNode::Seq(rules) => {
-                for rule in rules {
-                    self.rule(rule, locals, agent);
-                }
-            }
+            RuleNode::Counted(_, rule) => self.rule(rule, locals, agent),
+            RuleNode::While { body, .. } => self.sequence([body], locals, agent),
+            RuleNode::Seq(rules) => self.sequence(rules, locals, agent),
             RuleNode::Skip
             | RuleNode::Assign(..)
             | RuleNode::Run(..)
@@ -227,6 +230,26 @@ impl Search<'_> {
             | RuleNode::Local { .. }
             | RuleNode::Draw(..)
             | RuleNode::Act(..) => {}
+        }
+    }
+
+    fn sequence<'r>(
+        &mut self,
+        rules: impl IntoIterator<Item = &'r Rule>,
+        locals: &mut Vec<Known>,
+        agent: Known,
+    ) {
+        let is_inner = |passage: &Passage| matches!(passage, Passage::Sequence(_));
+        let is_outermost = !self.path.iter().any(is_inner);
+        if is_outermost {
+            self.branches += 1;
+            self.path.push(Passage::Sequence(self.branches));
+        }
+        for rule in rules {
+            self.rule(rule, locals, agent);
+        }
+        if is_outermost {
+            self.path.pop();
         }
     }
 

@@ -6,7 +6,8 @@
 use crate::clash::{MAX_RULES, analysed};
 use crate::compile::{emitted, module};
 use crate::direct_frame::{self, DirectEntry, DirectFrame};
-use crate::emit::{Emitter, KnownValue, Ssa};
+use crate::direct_sequence::DirectSequence;
+use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::location::Located;
 use crate::memory::CodeMemory;
@@ -29,6 +30,8 @@ pub(crate) struct DirectCode {
     /// Address of the next update.
     next_update: Variable,
     first_update: Ssa,
+    /// Number of iterations of all loops so far.
+    iterations: Variable,
     /// `true` if all slots that are updated hold scalars.
     holds_scalars: bool,
     /// The functions whose locations are updated at most once in a step, indexed by function.
@@ -42,6 +45,7 @@ pub(crate) struct DirectCode {
     calls: u64,
     /// `true` if the rule gives up in each step.
     is_futile: bool,
+    pub sequence: DirectSequence,
 }
 
 /// A direct rule with its code.
@@ -108,6 +112,32 @@ impl DirectCode {
             && self.updates <= MAX_UPDATES;
         (is_bounded && !self.is_futile).then_some(self.updates as usize)
     }
+
+    /// Returns `true` if the code generated next is executed at most once in a step.
+    pub fn is_executed_once(&self) -> bool {
+        self.repetitions == 1
+    }
+
+    /// Returns `true` if no location of a function is updated twice in a step.
+    pub fn is_clash_free(&self, function: FunctionId) -> bool {
+        let free = self.clash_free.get(function.0 as usize);
+        free.copied().unwrap_or(false)
+    }
+
+    /// Returns the number of iterations of all loops so far.
+    pub fn iterations(&self) -> Variable {
+        self.iterations
+    }
+
+    /// Returns the address of the next update.
+    pub fn next_update(&self) -> Variable {
+        self.next_update
+    }
+
+    /// Adds to the greatest possible number of updates.
+    pub fn add_updates(&mut self, count: u64) {
+        self.updates = self.updates.saturating_add(count);
+    }
 }
 
 impl Emitter<'_> {
@@ -118,9 +148,13 @@ impl Emitter<'_> {
         let next_update = self.builder.declare_var(I64);
         let first = self.field(I64, at::LIST);
         self.builder.def_var(next_update, first);
+        let iterations = self.builder.declare_var(I64);
+        let none = self.number(I64, 0);
+        self.builder.def_var(iterations, none);
         self.direct = Some(DirectCode {
             next_update,
             first_update: first,
+            iterations,
             holds_scalars: true,
             clash_free,
             facts,
@@ -129,6 +163,7 @@ impl Emitter<'_> {
             bindings: 0,
             calls: 0,
             is_futile: false,
+            sequence: DirectSequence::default(),
         });
     }
 
@@ -257,14 +292,18 @@ impl Emitter<'_> {
         value: KnownValue,
         origin: Origin,
     ) -> bool {
+        let mode = self.mode;
         let Some(direct) = &mut self.direct else {
             return false;
         };
-        direct.updates = direct.updates.saturating_add(direct.repetitions);
+        if mode == UpdateMode::Sequence {
+            self.write_in_sequence(located, value, origin);
+            return true;
+        }
+        direct.add_updates(direct.repetitions);
         let next_update = direct.next_update;
         direct.holds_scalars &= direct.facts.get(located.function).is_scalar();
-        let free = direct.clash_free.get(located.function.0 as usize);
-        let is_free = free.copied().unwrap_or(false);
+        let is_free = direct.is_clash_free(located.function);
         let constant = located.constant();
         let slot = match constant {
             Some(_) if is_free => None,
@@ -283,6 +322,14 @@ impl Emitter<'_> {
             (None, Some(slot)) => self.builder.ins().ireduce(I32, slot),
             (constant, _) => self.number(I32, constant.unwrap_or_default()),
         };
+        self.put_directly(update, slot, value, origin);
+        let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
+        self.builder.def_var(next_update, next);
+        true
+    }
+
+    /// Stores an update.
+    pub fn put_directly(&mut self, update: Ssa, slot: Ssa, value: KnownValue, origin: Origin) {
         self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
         let origin = self.number(I32, i64::from(origin.0));
         self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
@@ -293,8 +340,5 @@ impl Emitter<'_> {
             let place = at::UPDATE_VALUE + at::PAYLOAD;
             self.store(self.memory.updates, payload, update, place);
         }
-        let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
-        self.builder.def_var(next_update, next);
-        true
     }
 }

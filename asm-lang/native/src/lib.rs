@@ -14,6 +14,7 @@ mod counted;
 mod detour;
 mod direct;
 mod direct_frame;
+mod direct_sequence;
 mod emit;
 mod frame;
 mod location;

@@ -66,7 +66,7 @@ impl Emitter<'_> {
         }
     }
 
-    fn fixed(&mut self, function: FunctionId, slot: Slot) -> Located {
+    pub fn fixed(&mut self, function: FunctionId, slot: Slot) -> Located {
         Located {
             pointer: self.field(I64, at::SLOTS),
             offset: (i64::from(slot) * at::VALUE_SIZE) as i32,
@@ -183,6 +183,9 @@ impl Emitter<'_> {
 
     /// Loads the tag of a location's value.
     pub fn tag(&mut self, located: &Located) -> Ssa {
+        if located.constant().is_none() && self.read_in_sequence(located, I8).is_some() {
+            return self.number(I8, 0);
+        }
         self.load(self.memory.slots, I8, located.pointer, located.offset)
     }
 
@@ -194,16 +197,24 @@ impl Emitter<'_> {
             layout::ATOM => ValueKind::Atom,
             _ => ValueKind::Other,
         };
+        if let Some(value) = self.read_in_sequence(located, ty) {
+            return value;
+        }
         if self.value_fact(located.function).is_always(kind) {
-            let offset = located.offset + at::PAYLOAD;
-            let payload = self.load(self.memory.slots, ty, located.pointer, offset);
-            return match kind {
-                // a truth value may be used as an index, which must be in bounds even if the fact is wrong
-                ValueKind::Bool => self.builder.ins().band_imm_s(payload, 1),
-                ValueKind::Int | ValueKind::Real | ValueKind::Atom | ValueKind::Other => payload,
-            };
+            return self.payload(located, ty);
         }
         self.expect(self.memory.slots, located.pointer, located.offset, tag, ty)
+    }
+
+    /// Loads the payload of a location's value, whose tag is known.
+    pub fn payload(&mut self, located: &Located, ty: Type) -> Ssa {
+        let offset = located.offset + at::PAYLOAD;
+        let payload = self.load(self.memory.slots, ty, located.pointer, offset);
+        if ty == I8 {
+            // a truth value may be used as an index, which must be in bounds even if a fact about it is wrong
+            return self.builder.ins().band_imm_s(payload, 1);
+        }
+        payload
     }
 
     /// Returns the number of the slot.

@@ -52,7 +52,12 @@ impl Emitter<'_> {
             RuleNode::Update(place, value) => self.update(rule, place, value),
             RuleNode::Par(rules) => self.par(rule, rules),
             RuleNode::Seq(rules) => {
-                self.sequence(|this| rules.iter().for_each(|rule| this.rule(rule)));
+                let each = |this: &mut Self| rules.iter().for_each(|rule| this.rule(rule));
+                if self.direct.is_some() {
+                    self.sequence_directly(rule, each);
+                } else {
+                    self.sequence(each);
+                }
             }
             RuleNode::While {
                 guard,
@@ -60,7 +65,12 @@ impl Emitter<'_> {
                 until_idle,
             } => {
                 let guard = guard.as_ref();
-                self.sequence(|this| this.repeat(guard, body, *until_idle, rule.origin));
+                let repeat = |this: &mut Self| this.repeat(guard, body, *until_idle, rule.origin);
+                if self.direct.is_some() {
+                    self.sequence_directly(rule, repeat);
+                } else {
+                    self.sequence(repeat);
+                }
             }
             RuleNode::If(guard, then, otherwise) => self.choice(guard, then, otherwise),
             RuleNode::Switch(subject, cases, otherwise) => {
@@ -584,6 +594,14 @@ impl Emitter<'_> {
 
     /// Generates a loop within a sequence.
     fn repeat(&mut self, guard: Option<&Term>, body: &Rule, until_idle: bool, origin: Origin) {
+        let is_repeated = self.repeats_directly(
+            |this, done| this.guarded(guard, done),
+            |this| this.rule(body),
+            until_idle,
+        );
+        if is_repeated {
+            return;
+        }
         let (head, done) = (self.block(), self.block());
         self.jump(head);
         self.begin(head);

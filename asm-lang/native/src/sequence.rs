@@ -21,9 +21,6 @@ struct SlotUpdate<'r> {
 impl Emitter<'_> {
     /// Generates code for a sequence of rules.
     pub fn sequence(&mut self, rules: impl FnOnce(&mut Self)) {
-        if self.gives_up() {
-            return;
-        }
         if self.mode == UpdateMode::Sequence {
             return rules(self);
         }
@@ -49,6 +46,9 @@ impl Emitter<'_> {
 
     /// Generates a layer within a sequence, applied at its end; returns `true` if its set is empty.
     pub fn layer(&mut self, rule: impl FnOnce(&mut Self)) -> Ssa {
+        if self.gives_up() {
+            return self.number(I8, 0);
+        }
         self.call(self.calls.open, &[]);
         let outer = std::mem::replace(&mut self.mode, UpdateMode::Layer);
         rule(self);

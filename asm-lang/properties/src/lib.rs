@@ -1,8 +1,12 @@
 //! Properties that hold for every input text. Each function takes bytes and panics if its property
 //! is violated; the fuzzers (`fuzz/`) and the tests of this crate call them.
 
+mod back_ends;
 #[path = "../../syntax/tests/shared/faithful.rs"]
 mod faithful;
+mod generated;
+
+pub use back_ends::back_ends;
 
 use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::simulate::{Causes, Random, Simulation, SimulationError};

@@ -26,6 +26,13 @@ pub const MACHINES: &[(&str, Hand)] = &[
     }),
     ("life32", |steps, show| life(black_box(32), steps, show)),
     ("life128", |steps, show| life(black_box(128), steps, show)),
+    // without vector instructions, which compute 16 cells at once
+    ("life32_scalar", |steps, show| {
+        life_by_cell(black_box(32), steps, show)
+    }),
+    ("life128_scalar", |steps, show| {
+        life_by_cell(black_box(128), steps, show)
+    }),
     ("sort64", |steps, show| sort(black_box(64), steps, show)),
     ("sort512", |steps, show| sort(black_box(512), steps, show)),
     ("agents100", |steps, show| {
@@ -143,6 +150,25 @@ fn philosophers(count: usize, steps: u64, show: bool) -> Vec<String> {
 }
 
 fn life(size: usize, steps: u64, show: bool) -> Vec<String> {
+    life_with(size, steps, show, |around, alive| {
+        u8::from(around == 3) | (u8::from(around == 2) & alive)
+    })
+}
+
+/// Like [`life`], one cell at a time.
+fn life_by_cell(size: usize, steps: u64, show: bool) -> Vec<String> {
+    life_with(size, steps, show, |around, alive| {
+        let around = black_box(around);
+        u8::from(around == 3) | (u8::from(around == 2) & alive)
+    })
+}
+
+fn life_with(
+    size: usize,
+    steps: u64,
+    show: bool,
+    next_value: impl Fn(u8, u8) -> u8,
+) -> Vec<String> {
     let width = size + 2;
     let mut cells = vec![0u8; width * width];
     for row in 1..=size {
@@ -171,7 +197,7 @@ fn life(size: usize, steps: u64, show: bool) -> Vec<String> {
                     .wrapping_add(down0[c])
                     .wrapping_add(down1[c])
                     .wrapping_add(down2[c]);
-                out[c] = u8::from(around == 3) | (u8::from(around == 2) & here1[c]);
+                out[c] = next_value(around, here1[c]);
             }
         }
         std::mem::swap(&mut cells, &mut next);

@@ -1,0 +1,115 @@
+//! The property of back ends: they execute the same steps.
+
+use crate::generated;
+use asmotion_lang::ir::Program;
+use asmotion_lang::machine::back_end::{DirectRule, NativeRule};
+use asmotion_lang::machine::{NativeCompiler, NoNativeCode};
+use asmotion_lang::simulate::{Random, Seeded};
+use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification, Value};
+use asmotion_native::Cranelift;
+
+/// Number of steps, successful or not.
+const STEPS: i64 = 12;
+
+/// Compiles no direct rules, so that native code has detours to closures.
+#[derive(Debug)]
+struct OnlyDetours;
+
+impl NativeCompiler for OnlyDetours {
+    fn compile(&self, program: &Program) -> Result<Box<dyn NativeRule>, NoNativeCode> {
+        Cranelift.compile(program)
+    }
+
+    fn compile_direct(&self, _: &Program, _: &[Value]) -> Option<Box<dyn DirectRule>> {
+        None
+    }
+}
+
+/// The steps of a generated specification are the same in all back ends, from the first one on: by closures, by native code
+/// with detours, and by native code for whole steps; with and without coverage counters. A step that is only evaluated has
+/// the same updates. Returns `false` if the specification does not open, or has no initial state.
+pub fn back_ends(bytes: &[u8]) -> bool {
+    let text = generated::specification(bytes);
+    let mut files = MemoryFiles::new();
+    files.add("generated.asm", text.as_str());
+    let Ok(mut specification) = asmotion_lang::open("generated.asm", &files) else {
+        return false;
+    };
+    let seed = bytes
+        .iter()
+        .fold(0, |sum: u64, byte| sum.rotate_left(5) ^ u64::from(*byte));
+    for is_covered in [false, true] {
+        if is_covered && specification.lower_covered().is_err() {
+            return false;
+        }
+        let Ok(machine) = specification.machine() else {
+            return false;
+        };
+        let mut closures = machine.clone();
+        let _ = closures.set_back_end(BackEnd::Closures);
+        let expected = run(&specification, closures, seed);
+        let mut detours = machine.clone();
+        detours.set_native_compiler(&OnlyDetours);
+        // a machine of its own, because clones share compiled code
+        let Ok(mut direct) = specification.machine() else {
+            return false;
+        };
+        direct.set_native_compiler(&Cranelift);
+        for (name, mut machine) in [("detours", detours), ("direct", direct)] {
+            let is_native = machine.set_back_end(BackEnd::Native);
+            assert_eq!(is_native, Ok(()), "{text}");
+            let done = run(&specification, machine, seed);
+            for (step, (done, expected)) in done.iter().zip(&expected).enumerate() {
+                assert_eq!(done, expected, "{name}, step {}, of\n{text}", step + 1);
+            }
+        }
+    }
+    true
+}
+
+/// Returns the effects of each step.
+fn run(specification: &Specification, mut machine: Machine, seed: u64) -> Vec<String> {
+    let mut inputs = Random::new(specification.program.clone(), &machine, seed);
+    let mut choices = Seeded::new(seed);
+    let mut steps = Vec::new();
+    for now_ns in 0..STEPS {
+        let mut evaluated = None;
+        if machine.can_revert() && now_ns % 2 == 0 {
+            let before = machine.snapshot();
+            let (mut inputs, mut choices) = (inputs.clone(), choices.clone());
+            let updates = machine.evaluate_step(&mut inputs, &mut choices, now_ns);
+            evaluated = Some(updates.map(<[_]>::to_vec));
+            assert_eq!(
+                machine.snapshot().state(),
+                before.state(),
+                "an evaluation changed the state"
+            );
+        }
+        let result = machine.step(&mut inputs, &mut choices, now_ns);
+        let result = result.map(|step| step.updates().to_vec());
+        if let Some(evaluated) = evaluated {
+            assert_eq!(evaluated, result, "an evaluated step differs from the step");
+        }
+        let step = machine.last_step();
+        let state = machine.state();
+        let location = |slot| state.location(machine.program(), slot);
+        let record = (
+            step.updates()
+                .iter()
+                .map(|update| (location(update.slot), &update.value, update.origin))
+                .collect::<Vec<_>>(),
+            step.inputs()
+                .iter()
+                .map(|input| (location(input.slot), &input.value))
+                .collect::<Vec<_>>(),
+            (step.before(), step.choices(), step.extended()),
+        );
+        let result = result.err();
+        steps.push(format!(
+            "{result:?}\n{record:?}\n{:?}\n{:?}",
+            machine.snapshot(),
+            machine.counts()
+        ));
+    }
+    steps
+}
