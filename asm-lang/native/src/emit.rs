@@ -4,7 +4,7 @@ use crate::clash::MAX_RULES;
 use crate::detour::Detour;
 use crate::direct::DirectCode;
 use crate::frame::{at, out, pack_call_position};
-use asmotion_ir::{IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
+use asmotion_ir::{BodyId, IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
 use asmotion_machine::back_end::Compiler;
 use asmotion_value::layout;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -166,6 +166,8 @@ pub(crate) struct Emitter<'a> {
     pub loops: Vec<Loops>,
     /// The routines that are being inlined, outermost first.
     pub inlined: Vec<RoutineId>,
+    /// The definitions that are being unfolded, outermost first.
+    pub unfolding: Vec<BodyId>,
     /// Number of rules that may still be generated; macros beyond it are not inlined.
     room: u32,
     detours: Vec<Detour>,
@@ -274,6 +276,7 @@ impl<'a> Emitter<'a> {
             mode: UpdateMode::Step,
             loops: Vec::new(),
             inlined: Vec::new(),
+            unfolding: Vec::new(),
             room: MAX_RULES as u32,
             detours: Vec::new(),
             locals: 0,

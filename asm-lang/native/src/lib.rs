@@ -25,6 +25,7 @@ mod static_analysis;
 mod switch;
 mod term;
 mod truth;
+mod unfold;
 mod value_facts;
 
 pub use compile::Cranelift;

@@ -28,6 +28,9 @@ impl Emitter<'_> {
     /// Generates code for an integer; leaves for the detour if it is undef.
     pub fn integer(&mut self, term: &Term) -> NativeInt {
         let anything = |value| NativeInt::new(value, IntegerInterval::ANY);
+        if let Some(int) = self.unfolded(term, |this, value| this.integer(value)) {
+            return int;
+        }
         match &*term.node {
             TermNode::Constant(Value::Int(number)) => {
                 let value = self.number(I64, *number);
@@ -106,6 +109,9 @@ impl Emitter<'_> {
     /// Generates code for an atom; leaves for the detour if it is undef.
     pub fn atom(&mut self, term: &Term) -> AtomCode {
         let anything = |value| AtomCode { value, among: None };
+        if let Some(atom) = self.unfolded(term, |this, value| this.atom(value)) {
+            return atom;
+        }
         match &*term.node {
             TermNode::Constant(Value::Atom(atom)) => AtomCode {
                 value: self.number(I32, i64::from(atom.0)),

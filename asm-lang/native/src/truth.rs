@@ -40,6 +40,10 @@ impl Emitter<'_> {
     ///
     /// A connective with an undef operand may still have a truth value, which the detour computes.
     pub fn test(&mut self, term: &Term, yes: Block, no: Block) {
+        let unfolded = self.unfolded(term, |this, value| this.test(value, yes, no));
+        if unfolded.is_some() {
+            return;
+        }
         match &*term.node {
             TermNode::Constant(Value::Bool(truth)) => self.jump(if *truth { yes } else { no }),
             TermNode::Not(operand) if self.is_truth(operand) => self.test(operand, no, yes),

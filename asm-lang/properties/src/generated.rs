@@ -205,7 +205,7 @@ impl Generator<'_> {
                 self.integer(deeper, scope),
                 self.integer(deeper, scope)
             ),
-            9 if !self.is_plain => "twice".to_owned(),
+            9 => "twice".to_owned(),
             10 if !self.is_plain => "size(bag)".to_owned(),
             _ => self.integer(0, scope),
         }
@@ -262,7 +262,7 @@ impl Generator<'_> {
                 self.truth(deeper, scope)
             ),
             8 => format!("(not {})", self.truth(deeper, scope)),
-            9 if !self.is_plain => format!("above({})", self.small(deeper, scope)),
+            9 => format!("above({})", self.small(deeper, scope)),
             10 => {
                 let (variable, inner) = self.bound(scope);
                 let quantifier = ["exist", "forall"][usize::from(self.of(2))];
