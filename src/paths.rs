@@ -217,3 +217,17 @@ mod tests {
         assert_eq!(files, [NamedFile { path, folder: None }]);
     }
 }
+
+/// The path of a specification relative to the folder of a scenario, if both are in the same one.
+pub fn relative_specification(path: &Path, spec: &Path) -> String {
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| *parent != Path::new(""));
+        std::fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()
+    };
+    let (here, there) = (folder(path), folder(spec));
+    let name = spec.file_name().unwrap_or_default();
+    match there {
+        Some(there) if here.as_ref() != Some(&there) => there.join(name).display().to_string(),
+        _ => name.to_string_lossy().into_owned(),
+    }
+}

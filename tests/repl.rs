@@ -121,3 +121,21 @@ fn a_saved_scenario_names_what_extend_added() {
     let output = test.args(["test", &path("found.avalla")]).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{saved}{output:?}");
 }
+
+#[test]
+fn a_recorded_run_is_stepped_back_and_forth() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("run.trace").display().to_string();
+    let spec = "asm-lang/verify/tests/models/lamp.asm";
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let verify = ["verify", spec, "--property", "level < 2", "--trace", &trace];
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.args(verify).assert().code(1);
+    let lines = "step\nlevel\nstep\nlevel\nundo\nlevel\nstep\nlevel\nstep 5\nundo 9\nset isPressed := false\nset isLocked := true\nstep\nlevel\nundo 3\nrun\nlevel\n";
+    let out = talk(&[spec, "--from", &trace], lines);
+    let levels: Vec<&str> = out.lines().filter(|line| line.len() == 1).collect();
+    assert_eq!(levels, ["1", "2", "1", "2", "0", "2"], "{out}");
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let missing = ["repl", spec, "--from", "nowhere.trace"];
+    command.args(missing).assert().code(2);
+}

@@ -4,7 +4,7 @@ use crate::session::Session;
 use asmotion_diagnostics::Report;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
 use asmotion_machine::{Environment, Machine, StepFault};
-use asmotion_simulate::{Random, Seeded};
+use asmotion_simulate::{Random, RecordedStep, Recording, Seeded};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
@@ -16,6 +16,8 @@ pub struct History {
     /// Snapshots taken before some of the events, by event number. The first and the most recent
     /// ones are always included.
     moments: BTreeMap<usize, SessionSnapshot>,
+    /// Inputs, choices and times of the first steps, as long as nothing else happens.
+    recording: Recording,
 }
 
 /// Number of most recent snapshots that are kept. Of older ones, one in this number is kept.
@@ -112,7 +114,39 @@ impl History {
             present,
             events: Vec::new(),
             moments: BTreeMap::new(),
+            recording: Recording::default(),
         }
+    }
+
+    /// Starts a history whose first steps have the inputs, choices and times of a recording. It is left when a location is set or
+    /// a rule is fired, and continued when that is undone.
+    pub fn of_recording(
+        session: Session,
+        seed: u64,
+        is_random: bool,
+        recording: Recording,
+    ) -> Self {
+        Self {
+            recording,
+            ..Self::new(session, seed, is_random)
+        }
+    }
+
+    /// Returns the number of recorded steps.
+    pub fn recorded(&self) -> usize {
+        self.recording.steps().len()
+    }
+
+    /// Returns `true` if the next step is a recorded one.
+    pub fn is_recorded(&self) -> bool {
+        self.recorded_step().is_some()
+    }
+
+    fn recorded_step(&self) -> Option<&RecordedStep> {
+        let is_step = |event: &HistoryEvent| *event == HistoryEvent::Step;
+        let steps = usize::try_from(self.session.machine.steps()).ok()?;
+        let next = self.recording.steps().get(steps)?;
+        self.events.iter().all(is_step).then_some(next)
     }
 
     /// Returns the specification and its machine in the current state.
@@ -297,12 +331,26 @@ impl History {
 
     fn apply(&mut self, event: &HistoryEvent) -> Result<(), Report> {
         let now_ns = self.now();
+        let recorded = self.recorded_step().and_then(|step| {
+            // values that cannot be read are missing, which the step reports
+            let inputs = step.inputs(&self.session.machine).ok()?;
+            Some((inputs, step.choices(), step.now_ns))
+        });
         let SessionState {
             inputs, choices, ..
         } = &mut self.present;
         match event {
             HistoryEvent::Step => {
-                let done = self.session.machine.step(inputs, choices, now_ns + STEP_NS);
+                let done = match recorded {
+                    Some((mut inputs, mut choices, now_ns)) => {
+                        let machine = &mut self.session.machine;
+                        machine.step(&mut inputs, &mut choices, now_ns)
+                    }
+                    None => {
+                        let machine = &mut self.session.machine;
+                        machine.step(inputs, choices, now_ns + STEP_NS)
+                    }
+                };
                 let done = done.map(|_| ()).map_err(|fault| self.report(&fault));
                 self.note_updates(true);
                 done

@@ -50,6 +50,11 @@ impl Sources {
             .map_or("", |file| &file.path)
     }
 
+    /// Returns the paths of all files, in the order in which they were added.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|file| &*file.path)
+    }
+
     /// Returns a text, empty for an unknown id.
     pub fn text(&self, file: FileId) -> &str {
         self.files

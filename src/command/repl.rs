@@ -8,7 +8,9 @@ use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::prompt::{Prompt, PromptLine};
 use crate::terminal::{TerminalOutput, count};
-use asmotion_lang::{History, OpenFailure, Session};
+use crate::trace::{is_run_trace, recorded_run};
+use asmotion_lang::simulate::Recording;
+use asmotion_lang::{History, Loader, OpenFailure, Session};
 use clap::Args;
 use session::ReplSession;
 use verb::VERBS;
@@ -18,6 +20,11 @@ use verb::VERBS;
 pub struct Repl {
     /// Specification file
     spec: String,
+
+    /// Starts with the steps of a trace, of `asmotion verify`, `asmotion sim` or `asmotion run`: `step` repeats the next one, `undo`
+    /// goes back
+    #[arg(long, value_name = "TRACE")]
+    from: Option<String>,
 
     /// Uses random values for inputs that are not set; without this option they are undef
     #[arg(long)]
@@ -48,7 +55,16 @@ impl Repl {
             }
         };
         prompt.set_names(names(&session));
-        let history = History::new(session, self.seed, self.random);
+        let history = match &self.from {
+            None => History::new(session, self.seed, self.random),
+            Some(path) => match recording(path) {
+                Ok(recording) => History::of_recording(session, self.seed, self.random, recording),
+                Err(error) => {
+                    terminal.error(error);
+                    return Exit::Usage;
+                }
+            },
+        };
         let mut talk = ReplSession::new(self.spec, self.seed, history);
         talk.print_banner(terminal);
         loop {
@@ -65,6 +81,25 @@ impl Repl {
         prompt.save_history();
         Exit::Ok
     }
+}
+
+/// Reads the steps of a trace.
+///
+/// # Errors
+/// The file cannot be read, or it contains no steps.
+fn recording(path: &str) -> Result<Recording, String> {
+    let text = DiskLoader.read(path).map_err(|error| error.to_string())?;
+    let text = if is_run_trace(&text) {
+        let run = recorded_run(path, &text, None).map_err(|error| error.to_string())?;
+        run.causes
+    } else {
+        text.to_string()
+    };
+    let recording = Recording::read(&text);
+    if recording.steps().is_empty() {
+        return Err(format!("`{path}` contains no steps"));
+    }
+    Ok(recording)
 }
 
 /// The names in a specification, for completion.

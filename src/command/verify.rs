@@ -1,22 +1,29 @@
 //! `asmotion verify`: proves properties of specifications for all inputs and choices.
 
+mod avalla;
 mod export;
+mod follow_up;
 mod input_values;
+mod interrupt;
+mod itf;
 mod json;
+mod mutants;
 mod options;
 mod progress;
 mod run;
 mod show;
 mod system;
+mod watch;
 mod words;
 
+use self::progress::ExplorationProgress;
 use crate::exit::Exit;
 use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
 use asmotion_verify::{Progress, SystemSpecification, Verdict, Verification, verify_system};
 use clap::Args;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use system::SystemOptions;
 
 /// Verifies properties of specifications for all inputs and choices.
@@ -84,6 +91,26 @@ pub struct Verify {
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
 
+    /// Writes that run as a scenario, which `asmotion test` repeats
+    #[arg(long, value_name = "FILE", conflicts_with = "init")]
+    avalla: Option<PathBuf>,
+
+    /// Writes that run in the Informal Trace Format (JSON)
+    #[arg(long, value_name = "FILE")]
+    itf: Option<PathBuf>,
+
+    /// Lists parts that never run, values that never occur, updates that change nothing, and inputs that nothing reads
+    #[arg(long)]
+    advice: bool,
+
+    /// Changes the specification in one place at a time, and lists the changes that no property notices
+    #[arg(long, conflicts_with_all = ["trace", "avalla", "itf", "watch", "advice"])]
+    mutants: bool,
+
+    /// Verifies again when a file of the specification changes, and shows which verdicts change
+    #[arg(long, conflicts_with = "json")]
+    watch: bool,
+
     #[command(flatten)]
     system: SystemOptions,
 
@@ -92,11 +119,13 @@ pub struct Verify {
     json: bool,
 }
 
-/// Time between two lines of progress.
-const PROGRESS: Duration = Duration::from_secs(2);
-
 impl Verify {
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        interrupt::install();
+        if (self.watch || self.mutants) && (self.system.together || self.paths.len() != 1) {
+            terminal.error("`--watch` and `--mutants` are for one specification");
+            return Exit::Usage;
+        }
         if self.system.together {
             let exit = self.together(terminal);
             return exit.unwrap_or_else(|exit| exit);
@@ -112,8 +141,18 @@ impl Verify {
             terminal.error(error);
             return Exit::Usage;
         }
-        if self.trace.is_some() && files.len() > 1 {
-            terminal.error("`--trace` is for one specification");
+        if self.has_exports() && files.len() > 1 {
+            terminal.error("`--trace`, `--avalla` and `--itf` are for one specification");
+            return Exit::Usage;
+        }
+        if let ([file], true) = (files.as_slice(), self.watch) {
+            return self.watch_file(&file.text(), terminal);
+        }
+        if let ([file], true) = (files.as_slice(), self.mutants) {
+            return self.mutants_of(&file.text(), terminal);
+        }
+        if self.watch || self.mutants {
+            terminal.error("`--watch` and `--mutants` are for one specification");
             return Exit::Usage;
         }
         let exits = files.iter().map(|file| self.file(&file.text(), terminal));
@@ -122,24 +161,32 @@ impl Verify {
 
     /// Verifies the specification at a path.
     fn file(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
-        let specification = match self.open(path, self.init.clone(), terminal) {
-            Ok(specification) => specification,
-            Err(exit) => return exit,
-        };
+        match self.file_system(path, terminal) {
+            Ok(Some(system)) => self
+                .verified(path, system, terminal)
+                .unwrap_or_else(|exit| exit),
+            Ok(None) => Exit::Ok,
+            Err(exit) => exit,
+        }
+    }
+
+    /// Opens the specification at a path, with its environment; `None` for a module.
+    fn file_system(
+        &self,
+        path: &str,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Option<SystemSpecification>, Exit> {
+        let specification = self.open(path, self.init.clone(), terminal)?;
         if specification.model.main.is_none() {
             terminal.status(
                 "Skipping",
                 format_args!("{path}, a module without a main rule"),
             );
-            return Exit::Ok;
+            return Ok(None);
         }
         let mut system = SystemSpecification::of(specification);
-        match self.environment(&mut system.machines, terminal) {
-            Ok(environment) => system.environment = environment,
-            Err(exit) => return exit,
-        }
-        self.verified(path, system, terminal)
-            .unwrap_or_else(|exit| exit)
+        system.environment = self.environment(&mut system.machines, terminal)?;
+        Ok(Some(system))
     }
 
     /// Verifies the specifications as machines of one system.
@@ -158,36 +205,57 @@ impl Verify {
     fn verified(
         &self,
         path: &str,
-        mut system: SystemSpecification,
+        system: SystemSpecification,
         terminal: &mut TerminalOutput,
     ) -> Result<Exit, Exit> {
+        let (verification, time) = self.verification(system, terminal)?;
+        Ok(self.present(path, &verification, time, terminal))
+    }
+
+    /// Verifies a system, and shows the progress and the reasons for which it cannot be verified.
+    fn verification(
+        &self,
+        mut system: SystemSpecification,
+        terminal: &mut TerminalOutput,
+    ) -> Result<(Verification, Duration), Exit> {
         let options = self.options(&mut system.machines, terminal)?;
-        let begun = Instant::now();
-        let mut shown = begun;
+        let mut exploration = ExplorationProgress::new(options.limits.memory.unwrap_or(0));
         let mut proceed = |progress: Progress| {
-            let now = Instant::now();
-            if now - shown > PROGRESS {
-                shown = now;
-                terminal.progress(progress::line(&progress, now - begun));
-            }
-            let limit = self.time;
-            limit.is_none_or(|limit| (now - begun).as_secs_f64() < limit)
+            exploration.show(&progress, terminal);
+            let seconds = exploration.elapsed().as_secs_f64();
+            !interrupt::has_occurred() && self.time.is_none_or(|limit| seconds < limit)
         };
         match verify_system(system, &options, &mut proceed) {
-            Ok(verification) => {
-                if self.json {
-                    terminal.result(json::verification(path, &verification, begun.elapsed()));
-                } else {
-                    show::text(path, &verification, begun.elapsed(), terminal);
-                }
-                Ok(exit(&verification).max(self.write(&verification, terminal)))
-            }
+            Ok(verification) => Ok((verification, exploration.elapsed())),
             Err(refusal) => {
                 terminal.report(&refusal.report, &refusal.specification.sources);
                 terminal.error(count(&refusal.report).unwrap_or_default());
                 Err(Exit::Findings)
             }
         }
+    }
+
+    /// Shows the result of a verification and writes the files that were requested.
+    fn present(
+        &self,
+        path: &str,
+        verification: &Verification,
+        time: Duration,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
+        if self.json {
+            terminal.result(json::verification(path, verification, time));
+        } else {
+            show::text(path, verification, time, terminal);
+            if self.advice {
+                show::advice(verification, terminal);
+            }
+            let shown = export::shown(verification).filter(|(it, _)| it.verdict.is_violated());
+            if let (Some((property, _)), [_]) = (shown, verification.machines.as_slice()) {
+                self.follow_up(path, property, terminal);
+            }
+        }
+        exit(verification).max(self.write(path, verification, terminal))
     }
 }
 

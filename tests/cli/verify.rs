@@ -160,3 +160,223 @@ fn json_has_the_verdicts_and_the_runs() {
     assert_eq!(obeys["verdict"], "violated");
     assert!(!obeys["run"]["steps"].as_array().unwrap().is_empty());
 }
+
+/// Verifies a property and writes the run as a scenario; returns the exit codes of both and the output of the test.
+fn tested_again(spec: &str, arguments: &[&str]) -> (i32, i32, String) {
+    let (_folder, scenario) = file("run.avalla", "");
+    let mut all = vec!["verify", spec, "--avalla", &scenario];
+    all.extend(arguments);
+    let (verified, _, err) = run(&all);
+    assert_ne!(verified, 2, "{err}");
+    let (tested, out, err) = run(&["test", &scenario]);
+    (verified, tested, out + &err)
+}
+
+#[test]
+fn a_scenario_repeats_a_violation() {
+    let (verified, tested, out) = tested_again(PHILOSOPHERS, &["--property", "inv_wrong"]);
+    assert_eq!((verified, tested), (1, 1), "{out}");
+    assert!(out.contains("inv_wrong"), "{out}");
+    let (verified, tested, out) = tested_again(LAMP, &["--property", "obeys"]);
+    assert_eq!((verified, tested), (1, 1), "{out}");
+    assert!(out.contains("isOn"), "{out}");
+    let (verified, tested, out) = tested_again(LAMP, &["--property", "level < 3"]);
+    assert_eq!((verified, tested), (1, 1), "{out}");
+    let (verified, tested, out) = tested_again("asm-lang/verify/tests/models/faulty.asm", &[]);
+    assert_eq!((verified, tested), (1, 1), "{out}");
+    // a cycle is repeated, which violates nothing in a finite run
+    let (verified, tested, out) = tested_again(LAMP, &["--property", "darkens"]);
+    assert_eq!((verified, tested), (1, 0), "{out}");
+    // so does the run to a possible state
+    let (verified, tested, out) = tested_again(LAMP, &["--possible", "level = 2"]);
+    assert_eq!((verified, tested), (0, 0), "{out}");
+    let (exit, _, _) = run(&["verify", LAMP, "--init", "s0", "--avalla", "run.avalla"]);
+    assert_eq!(exit, 2);
+}
+
+#[test]
+fn a_run_is_written_in_the_informal_trace_format() {
+    let (_folder, path) = file("run.itf.json", "");
+    let (exit, _, err) = run(&["verify", LAMP, "--property", "darkens", "--itf", &path]);
+    assert_eq!(exit, 1, "{err}");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let trace: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(trace["#meta"]["format"], "ITF");
+    assert_eq!(trace["vars"], serde_json::json!(["isOn", "level"]));
+    let states = trace["states"].as_array().unwrap();
+    assert_eq!(states[0]["level"]["#bigint"], "0");
+    assert_eq!(states[1]["#meta"]["updates"][0]["rule"], "r_Main");
+    // the cycle returns to a state with equal values
+    let (first, last) = (trace["loop"].as_u64().unwrap() as usize, states.len() - 1);
+    for variable in ["isOn", "level"] {
+        assert_eq!(states[first][variable], states[last][variable]);
+    }
+    let (exit, _, _) = run(&[
+        "verify",
+        PHILOSOPHERS,
+        "--property",
+        "inv_wrong",
+        "--itf",
+        &path,
+    ]);
+    assert_eq!(exit, 1);
+    let trace: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let phase = &trace["states"][0]["phase"]["#map"];
+    assert_eq!(phase[0][0]["#bigint"], "0");
+    assert_eq!(phase[0][1], "THINKS");
+    assert!(trace.get("loop").is_none());
+}
+
+#[test]
+fn fairness_can_be_given() {
+    let fair = |names: &[&str]| {
+        let mut arguments = vec!["verify", PHILOSOPHERS, "--property", "hungry"];
+        arguments.extend(names);
+        run(&arguments)
+    };
+    let (exit, out, _) = fair(&["--fair", "Philosopher", "--json"]);
+    assert_eq!(exit, 1);
+    assert!(out.contains("weak fairness of Philosopher"), "{out}");
+    let (exit, _, err) = fair(&["--strongly-fair", "Philosophers"]);
+    assert_eq!(exit, 1);
+    assert!(
+        err.contains("M020") && err.contains("did you mean `Philosopher`"),
+        "{err}"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_verification_reports_what_is_known() {
+    let text = "asm large
+import StandardLibrary
+import CTLLibrary
+signature:
+  domain Count subsetof Integer
+  controlled a: Count
+  controlled b: Count
+  monitored up: Boolean
+definitions:
+  domain Count = {0 : 3000000}
+  invariant inv_small over a: a < 3
+  CTLSPEC af(a = 5)
+  main rule r_Main = if up then a := (a + 1) mod 3000000 else b := (b + 1) mod 3000000 endif
+default init s0:
+  function a = 0
+  function b = 0
+";
+    let (_folder, path) = file("large.asm", text);
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_asmotion"))
+        .args(["verify", &path])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // a handler that is not installed yet would end the process, whose exit code then differs
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    let out = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{out}");
+    assert!(out.contains("violated  invariant inv_small"), "{out}");
+    assert!(out.contains("unknown   CTLSPEC af(a = 5)"), "{out}");
+    assert!(
+        out.contains("not all states were explored: it was interrupted"),
+        "{out}"
+    );
+}
+
+#[test]
+fn advice_and_mutants_are_listed() {
+    let text = "asm blinker
+import StandardLibrary
+import CTLLibrary
+signature:
+  enum domain Light = {GREEN | RED | BROKEN}
+  controlled light: Light
+  monitored pressed: Boolean
+definitions:
+  CTLSPEC changes: ag(ef(light = RED))
+  main rule r_Main =
+    if pressed then
+      if light = GREEN then light := RED else light := GREEN endif
+    endif
+default init s0:
+  function light = GREEN
+";
+    let (_folder, path) = file("blinker.asm", text);
+    let (exit, out, err) = run(&["verify", &path, "--advice"]);
+    assert_eq!((exit, err.as_str()), (0, ""), "{out}");
+    assert!(out.contains("advice    `light` is never BROKEN"), "{out}");
+    let (_, out, _) = run(&["verify", &path, "--advice", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(json["advice"][0]["kind"], "unused-value");
+
+    let (exit, out, err) = run(&["verify", &path, "--mutants"]);
+    assert_eq!((exit, err.as_str()), (1, ""), "{out}");
+    assert!(
+        out.contains("survives  `pressed` becomes `not (pressed)`"),
+        "{out}"
+    );
+    assert!(out.contains("mutants are killed"), "{out}");
+    let again = run(&["verify", &path, "--mutants"]);
+    assert_eq!(again.1, out);
+    let (_, out, _) = run(&["verify", &path, "--mutants", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let mutants = json["mutants"].as_array().unwrap();
+    let killed = |it: &&serde_json::Value| it["change"] == "`light := RED` becomes `skip`";
+    assert_eq!(
+        mutants.iter().find(killed).unwrap()["fate"],
+        "killed",
+        "{out}"
+    );
+    let (exit, _, _) = run(&["verify", &path, "--mutants", "--trace", "x"]);
+    assert_eq!(exit, 2);
+    let (exit, _, _) = run(&["verify", &path, LAMP, "--watch"]);
+    assert_eq!(exit, 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_watched_specification_is_verified_again() {
+    let text = std::fs::read_to_string(LAMP).unwrap();
+    let (folder, path) = file("lamp.asm", &text);
+    let log = folder.path().join("out.txt");
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_asmotion"))
+        .args(["verify", &path, "--watch"])
+        .stdout(std::fs::File::create(&log).unwrap())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let shows = |wanted: &str| {
+        for _ in 0..300 {
+            if std::fs::read_to_string(&log).unwrap().contains(wanted) {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        panic!(
+            "{wanted} is missing: {}",
+            std::fs::read_to_string(&log).unwrap()
+        );
+    };
+    shows("asmotion test run.avalla");
+    let changed = text.replace(
+        "CTLSPEC can_be_dark: ag(ef(not isOn))",
+        "CTLSPEC can_be_dark: ag(ef(level = 0 and isOn))",
+    );
+    std::fs::write(&path, changed).unwrap();
+    shows("changed   gone: CTLSPEC can_be_dark: ag(ef(not isOn))");
+    shows("changed   new: violated, CTLSPEC can_be_dark: ag(ef(level = 0 and isOn))");
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+}

@@ -26,6 +26,7 @@
 //! # Ok::<(), String>(())
 //! ```
 
+mod advice;
 mod codes;
 mod counterexample;
 mod decisions;
@@ -44,6 +45,7 @@ mod layers;
 mod logic;
 mod machines;
 mod mail;
+mod mutation;
 mod named_value;
 mod options;
 mod post;
@@ -60,6 +62,7 @@ mod translation;
 mod verdicts;
 mod verify;
 
+pub use advice::{Advice, AdviceKind};
 pub use codes::CODES;
 pub use counterexample::{LocationValue, Run, RunChoice, RunStep, RunUpdate};
 pub use environment::EnvironmentModel;
@@ -67,6 +70,7 @@ pub use explore::{Incomplete, Limits, Progress};
 pub use growth::GrowingLocation;
 pub use guards::RunGuard;
 pub use mail::{ContentValues, MessageModel};
+pub use mutation::{Mutant, mutants};
 pub use named_value::NamedValue;
 pub use options::{FairName, InputValues, Options};
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};

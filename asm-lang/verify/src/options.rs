@@ -45,6 +45,8 @@ pub struct Options {
     pub fairness: Vec<FairName>,
     /// `true` to keep the states of runs: see [`Run::states`](crate::Run::states).
     pub keeps_states: bool,
+    /// `true` to compute the advice.
+    pub advice: bool,
     /// Inputs whose values are given; others have those of their codomains.
     pub inputs: Vec<InputValues>,
     /// Contents of messages from outside the system that are given; others have all values of their domains.

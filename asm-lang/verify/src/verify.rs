@@ -1,5 +1,6 @@
 //! The verification of a specification: preparation, exploration, verdicts.
 
+use crate::advice::{Advice, advice};
 use crate::codes::m001::InputWithoutRange;
 use crate::codes::m002::TooManyAlternatives;
 use crate::codes::m006::NothingAssumed;
@@ -49,6 +50,10 @@ pub struct Verification {
     pub is_grounded: bool,
     /// Memory in use for states and transitions at the end of the exploration, in bytes.
     pub memory: u64,
+    /// Advice about the specifications, if it was requested and all states were explored.
+    pub advice: Vec<Advice>,
+    /// `false` if there were too many steps for advice about updates and inputs.
+    pub has_advice_on_steps: bool,
 }
 
 /// The reason for which a specification cannot be verified.
@@ -232,6 +237,12 @@ impl Exploring<'_> {
         };
         let properties = verdicts(self.properties, &replay, &self.options.only)
             .map_err(|error| (0, report_of(error.diagnostic())))?;
+        let (advice, has_advice_on_steps) =
+            if self.options.advice && exploration.incomplete.is_none() {
+                advice(&system, &exploration, self.known)
+            } else {
+                (Vec::new(), true)
+            };
         let growing = if exploration.incomplete.is_some() {
             growing_locations(&system, &exploration, self.known)
         } else {
@@ -250,6 +261,8 @@ impl Exploring<'_> {
             growing,
             is_grounded: exploration.words.is_some(),
             memory: exploration.memory(),
+            advice,
+            has_advice_on_steps,
         })
     }
 
@@ -261,7 +274,9 @@ impl Exploring<'_> {
     ) -> Result<Exploration, ExplorationError> {
         let (conditions, limits) = (&self.properties.conditions, self.options.limits);
         let keeps_edges = self.properties.needs_graph();
-        if !self.options.without_grounding && self.fair.is_empty() {
+        // advice counts every branch, which grounded steps do not have
+        let is_groundable = !self.options.without_grounding && !self.options.advice;
+        if is_groundable && self.fair.is_empty() {
             let grounded = grounded::explore(system, conditions, limits, keeps_edges, proceed)?;
             if let Some(exploration) = grounded {
                 return Ok(exploration);

@@ -6,11 +6,13 @@
     reason = "tests read files"
 )]
 
+mod advice;
 mod bad_input;
 mod counts;
 mod environments;
 mod fairness;
 mod grounded;
+mod guard_rails;
 mod models;
 mod naive;
 mod naive_systems;

@@ -1,5 +1,6 @@
 //! Writes the session as a scenario that sets the inputs and checks the updates.
 
+use crate::paths::relative_specification;
 use asmotion_lang::{History, HistoryEvent, Machine, Session, Value, simulate};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,23 +17,9 @@ pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> S
         .collect();
     scenario.line(&format!("// choices were made with seed {seed}"));
     scenario.line(&format!("scenario {name}"));
-    scenario.line(&format!("load {}", load(path, spec)));
+    scenario.line(&format!("load {}", relative_specification(path, spec)));
     history.replay(|event, session| scenario.event(event, session));
     scenario.text
-}
-
-/// The path of the specification relative to the folder of the scenario, if it has one.
-fn load(path: &Path, spec: &Path) -> String {
-    let folder = |path: &Path| {
-        let parent = path.parent().filter(|parent| *parent != Path::new(""));
-        std::fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()
-    };
-    let (here, there) = (folder(path), folder(spec));
-    let name = spec.file_name().unwrap_or_default();
-    match there {
-        Some(there) if here.as_ref() != Some(&there) => there.join(name).display().to_string(),
-        _ => name.to_string_lossy().into_owned(),
-    }
 }
 
 #[derive(Default)]

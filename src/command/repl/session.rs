@@ -55,6 +55,13 @@ impl ReplSession {
         terminal.progress(format_args!(
             "{FAINT}`step` executes a step, `set x := 1` sets an input, a term prints its value, `help` lists all commands{FAINT:#}"
         ));
+        let recorded = self.history.recorded();
+        if recorded > 0 {
+            let plural = if recorded == 1 { "" } else { "s" };
+            terminal.progress(format_args!(
+                "{FAINT}{recorded} step{plural} recorded: `step` repeats the next one, `undo` goes back, `run` goes to the end{FAINT:#}"
+            ));
+        }
     }
 
     /// Executes one line. Returns `false` at the end of the session.
@@ -113,7 +120,13 @@ impl ReplSession {
             return Ok(());
         };
         let from = self.machine().steps();
+        let was_recorded = self.history.is_recorded();
         for _ in 0..count {
+            // a run ends with its recording; further steps have other inputs
+            if was_recorded && !self.history.is_recorded() && self.machine().steps() > from {
+                terminal.result(format_args!("{NOTE}the recorded run ends here{NOTE:#}"));
+                break;
+            }
             self.count_rules();
             let result = self.history.step();
             if result.is_err() {

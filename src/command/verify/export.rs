@@ -1,39 +1,72 @@
 //! Runs as files.
 
-use super::Verify;
+use super::{Verify, avalla, itf};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
-use asmotion_verify::{CheckedProperty, Verification};
+use asmotion_verify::{CheckedProperty, Run, Verification};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+/// Returns the first property whose violation a run shows, or else the first one for which there is a run.
+pub fn shown(verification: &Verification) -> Option<(&CheckedProperty, &Run)> {
+    let properties = verification.properties.iter();
+    let mut shown = properties.filter_map(|it| Some((it, it.verdict.run()?)));
+    let violated = shown.clone().find(|(it, _)| it.verdict.is_violated());
+    violated.or_else(|| shown.next())
+}
+
 impl Verify {
-    /// Writes the trace of the first violation, if there is one and it was requested.
-    pub(super) fn write(&self, verification: &Verification, terminal: &mut TerminalOutput) -> Exit {
-        let Some(path) = &self.trace else {
+    /// Returns `true` if files are to be written.
+    pub(super) fn has_exports(&self) -> bool {
+        self.trace.is_some() || self.avalla.is_some() || self.itf.is_some()
+    }
+
+    /// Writes the run of the first violation to the files that were requested.
+    pub(super) fn write(
+        &self,
+        spec: &str,
+        verification: &Verification,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
+        if !self.has_exports() {
             return Exit::Ok;
-        };
-        let violated = |property: &&CheckedProperty| property.verdict.is_violated();
-        let mut properties = verification.properties.iter();
-        let shown = properties
-            .clone()
-            .find(|it| violated(it) && it.verdict.run().is_some());
-        let run = shown.or_else(|| properties.find(|it| it.verdict.run().is_some()));
-        let Some(run) = run.and_then(|property| property.verdict.run()) else {
-            terminal.warn(format_args!(
-                "there is no run to write to `{}`",
-                path.display()
-            ));
-            return Exit::Ok;
-        };
-        for (machine, trace) in verification.machines.iter().zip(&run.traces) {
-            let path = match verification.machines.as_slice() {
-                [_] => path.clone(),
-                _ => path_of(path, &machine.name),
-            };
-            if let Err(error) = std::fs::write(&path, trace) {
+        }
+        let Some((property, run)) = shown(verification) else {
+            for path in [&self.trace, &self.avalla, &self.itf].into_iter().flatten() {
                 let path = path.display();
-                terminal.error(format_args!("cannot write the trace `{path}`: {error}"));
+                terminal.warn(format_args!("there is no run to write to `{path}`"));
+            }
+            return Exit::Ok;
+        };
+        let mut files: Vec<(PathBuf, String)> = Vec::new();
+        let machines = verification.machines.as_slice();
+        if let Some(path) = &self.trace {
+            for (machine, trace) in machines.iter().zip(&run.traces) {
+                let path = match machines {
+                    [_] => path.clone(),
+                    _ => path_of(path, &machine.name),
+                };
+                files.push((path, trace.clone()));
+            }
+        }
+        if let Some(path) = &self.avalla {
+            let [machine] = machines else {
+                terminal
+                    .error("a scenario is about one specification: `--avalla` is not for systems");
+                return Exit::Usage;
+            };
+            let paths = (path.as_path(), Path::new(spec));
+            let scenario = avalla::scenario(property, run, &machine.specification, paths);
+            files.push((path.clone(), scenario));
+        }
+        if let Some(path) = &self.itf {
+            let trace = itf::trace(property, run, spec, machines);
+            files.push((path.clone(), format!("{trace:#}\n")));
+        }
+        for (path, text) in files {
+            if let Err(error) = std::fs::write(&path, text) {
+                let path = path.display();
+                terminal.error(format_args!("cannot write the run `{path}`: {error}"));
                 return Exit::Usage;
             }
         }

@@ -1,7 +1,8 @@
 //! Results of a verification as JSON.
 
+use super::interrupt;
 use super::words::{kind, machine_name, place_in, verdict};
-use asmotion_verify::{Incomplete, Run, RunGuard, Verification, VerifiedMachine};
+use asmotion_verify::{AdviceKind, Incomplete, Run, RunGuard, Verification, VerifiedMachine};
 use serde_json::{Value, json};
 use std::time::Duration;
 
@@ -32,6 +33,13 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
             "place": place_in(machines, it.machine, it.place),
         })
     });
+    let advice = verification.advice.iter().map(|advice| {
+        json!({
+            "kind": advice_kind(advice.kind),
+            "text": advice.text,
+            "place": place_in(machines, advice.machine, advice.place),
+        })
+    });
     json!({
         "type": "verification", "v": 1,
         "path": path,
@@ -41,10 +49,20 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "depth": verification.depth,
         "excluded": verification.excluded,
         "assumptions": verification.assumptions,
+        "advice": advice.collect::<Vec<Value>>(),
         "growing": growing.collect::<Vec<Value>>(),
         "incomplete": verification.incomplete.map(incomplete_word),
         "milliseconds": time.as_millis() as u64,
     })
+}
+
+fn advice_kind(kind: AdviceKind) -> &'static str {
+    match kind {
+        AdviceKind::UnreachedBranch => "unreached-branch",
+        AdviceKind::UnusedValue => "unused-value",
+        AdviceKind::TrivialUpdate => "trivial-update",
+        AdviceKind::UnreadInput => "unread-input",
+    }
 }
 
 fn incomplete_word(reason: Incomplete) -> &'static str {
@@ -53,6 +71,7 @@ fn incomplete_word(reason: Incomplete) -> &'static str {
         Incomplete::Depth => "bound",
         Incomplete::Memory => "memory",
         Incomplete::Reserve => "reserve",
+        Incomplete::Stopped if interrupt::has_occurred() => "interrupt",
         Incomplete::Stopped => "time",
     }
 }

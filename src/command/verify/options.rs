@@ -39,7 +39,8 @@ impl Verify {
             assumptions: self.assume.clone(),
             ends: self.end.clone(),
             fairness: self.fairness(),
-            keeps_states: false,
+            advice: self.advice,
+            keeps_states: self.itf.is_some(),
             inputs: Vec::new(),
             messages: self.system.message_model(),
             ..Options::default()

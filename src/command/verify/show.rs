@@ -1,7 +1,9 @@
 //! Results of a verification as text.
 
 use super::run::show_run;
-use super::words::{counted, duration, incomplete, machine_name, number, place_in, verdict};
+use super::words::{
+    counted, duration, heading, incomplete, machine_name, number, place_in, verdict,
+};
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_verify::{CheckedProperty, Note, PropertyKind, Verdict, Verification};
 use std::time::Duration;
@@ -60,18 +62,30 @@ pub fn text(
     }
 }
 
-/// The words before a property's text.
-fn heading(property: &CheckedProperty) -> String {
-    let introduced = match property.kind {
-        PropertyKind::Invariant => "invariant ",
-        PropertyKind::Ctl => "CTLSPEC ",
-        PropertyKind::Ltl => "LTLSPEC ",
-        PropertyKind::Possible => "possible: ",
-        PropertyKind::NoFault | PropertyKind::NotStuck | PropertyKind::RulesRun => "",
-    };
-    match &property.name {
-        Some(name) => format!("{introduced}{name}: {}", property.text),
-        None => format!("{introduced}{}", property.text),
+/// Prints the advice.
+pub fn advice(verification: &Verification, terminal: &mut TerminalOutput) {
+    if verification.incomplete.is_some() {
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} there is no advice, because not all states were explored"
+        ));
+        return;
+    }
+    if !verification.has_advice_on_steps {
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} there are too many steps for advice about updates and inputs"
+        ));
+    }
+    for advice in &verification.advice {
+        let place = place_in(&verification.machines, advice.machine, advice.place);
+        terminal.result(format_args!(
+            "  {NOTE}advice{NOTE:#}    {}  {FAINT}{place}{FAINT:#}",
+            advice.text
+        ));
+    }
+    if verification.advice.is_empty() {
+        terminal.result(
+            "  no advice: every branch is taken, every value occurs, every update has an effect",
+        );
     }
 }
 

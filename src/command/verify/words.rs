@@ -1,7 +1,8 @@
 //! Numbers, places and results in words.
 
+use super::interrupt;
 use asmotion_lang::{Span, Specification};
-use asmotion_verify::{Incomplete, PropertyKind, Verdict, VerifiedMachine};
+use asmotion_verify::{CheckedProperty, Incomplete, PropertyKind, Verdict, VerifiedMachine};
 use std::time::Duration;
 
 /// A number with separators, as in `1,745,408`.
@@ -39,6 +40,7 @@ pub fn incomplete(reason: Incomplete) -> &'static str {
         Incomplete::Reserve => {
             "a state has more elements created by `extend` than `--reserve` permits"
         }
+        Incomplete::Stopped if interrupt::has_occurred() => "it was interrupted",
         Incomplete::Stopped => "the time is up, which `--time` sets",
     }
 }
@@ -88,5 +90,20 @@ pub fn rule_text(specification: &Specification, place: Span) -> String {
     match specification.rule_at(place) {
         Some(rule) => format!("{}, line {line}", rule.name),
         None => format!("line {line}"),
+    }
+}
+
+/// The words before a property's text.
+pub fn heading(property: &CheckedProperty) -> String {
+    let introduced = match property.kind {
+        PropertyKind::Invariant => "invariant ",
+        PropertyKind::Ctl => "CTLSPEC ",
+        PropertyKind::Ltl => "LTLSPEC ",
+        PropertyKind::Possible => "possible: ",
+        PropertyKind::NoFault | PropertyKind::NotStuck | PropertyKind::RulesRun => "",
+    };
+    match &property.name {
+        Some(name) => format!("{introduced}{name}: {}", property.text),
+        None => format!("{introduced}{}", property.text),
     }
 }

@@ -1,0 +1,105 @@
+//! Advice and mutants.
+
+use crate::models::LAMP;
+use crate::{open, verified};
+use asmotion_verify::{AdviceKind, Options, mutants, verify};
+
+const ODD: &str = "asm odd
+import StandardLibrary
+signature:
+  enum domain Mode = {IDLE | BUSY | BROKEN}
+  domain Count subsetof Integer
+  controlled mode: Mode
+  controlled count: Count
+  monitored start: Boolean
+  monitored unused: Boolean
+definitions:
+  domain Count = {0 : 3}
+  main rule r_Main =
+    par
+      if start and mode = IDLE then mode := BUSY endif
+      if mode = BROKEN then mode := IDLE endif
+      if count < 3 then count := 0 endif
+    endpar
+default init s0:
+  function mode = IDLE
+  function count = 0
+";
+
+#[test]
+fn advice_names_what_never_happens() {
+    let options = Options {
+        advice: true,
+        ..Options::default()
+    };
+    let verification = verified(ODD, &options);
+    let advice = verification.advice.iter().map(|it| (it.kind, &*it.text));
+    assert_eq!(
+        advice.collect::<Vec<_>>(),
+        [
+            (AdviceKind::UnusedValue, "`mode` is never BROKEN"),
+            (AdviceKind::UnusedValue, "`count` is never 1, 2, 3"),
+            (AdviceKind::UnreadInput, "no step reads `unused`"),
+            (AdviceKind::UnreachedBranch, "`mode = BROKEN` is never true"),
+            (AdviceKind::UnreachedBranch, "`count < 3` is always true"),
+            (
+                AdviceKind::TrivialUpdate,
+                "`count := 0` never changes anything"
+            ),
+        ]
+    );
+    assert!(verification.has_advice_on_steps);
+    assert!(verified(LAMP, &options).advice.is_empty());
+    // none without all states
+    let mut incomplete = options.clone();
+    incomplete.limits.depth = Some(0);
+    assert!(verified(ODD, &incomplete).advice.is_empty());
+}
+
+#[test]
+fn mutants_have_one_change_each() {
+    let specification = open(ODD);
+    let all = mutants(&specification);
+    let changes: Vec<&str> = all.iter().map(|it| &*it.change).collect();
+    for change in [
+        "`mode := BUSY` becomes `skip`",
+        "`BUSY` becomes `BROKEN`",
+        "`start and mode = IDLE` becomes `not (start and mode = IDLE)`",
+        "`start and mode = IDLE` becomes `start`",
+        "`start and mode = IDLE` becomes `mode = IDLE`",
+        "`mode = IDLE` becomes `mode != IDLE`",
+        "`count < 3` becomes `count <= 3`",
+        "`0` becomes `1`",
+    ] {
+        assert!(
+            changes.contains(&change),
+            "{change} is missing: {changes:#?}"
+        );
+    }
+    assert_eq!(all, mutants(&open(ODD)));
+    // each is a specification that differs from the others
+    let texts = all.iter().map(|it| it.applied_to(ODD).unwrap());
+    let texts: std::collections::BTreeSet<String> = texts.collect();
+    assert_eq!(texts.len(), all.len());
+    for text in &texts {
+        let verified = verify(open(text), &Options::default(), &mut |_| true);
+        assert!(verified.is_ok(), "{text}");
+    }
+}
+
+#[test]
+fn an_invariant_kills_mutants() {
+    let text = ODD.replace(
+        "  main rule",
+        "  invariant inv_zero over count: count = 0\n  main rule",
+    );
+    let mutant = mutants(&open(&text));
+    let mutant = mutant
+        .iter()
+        .find(|it| it.change == "`0` becomes `1`")
+        .unwrap();
+    let verification = verified(&mutant.applied_to(&text).unwrap(), &Options::default());
+    let invariant = verification.properties.iter();
+    let mut invariant = invariant.filter(|it| it.name.as_deref() == Some("inv_zero"));
+    assert!(invariant.next().unwrap().verdict.is_violated());
+}
