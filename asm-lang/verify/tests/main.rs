@@ -18,6 +18,7 @@ mod naive;
 mod naive_systems;
 mod runs;
 mod simplest;
+mod specs;
 mod systems;
 mod unbounded;
 
