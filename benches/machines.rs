@@ -16,7 +16,7 @@ mod hand;
 #[path = "machines/large.rs"]
 mod large;
 
-use asmotion_lang::{Chooser, Machine, MemoryFiles, NoInputs};
+use asmotion_lang::{BackEnd, Chooser, Machine, MemoryFiles, NoInputs};
 use hand::{Hand, Shifts};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -79,7 +79,9 @@ fn machine(case: &Case) -> Machine {
     let mut files = MemoryFiles::new();
     files.add(&name, case.text);
     let opened = asmotion_lang::open(&name, &files).unwrap_or_else(|failure| panic!("{failure}"));
-    opened.machine().unwrap()
+    let mut machine = opened.machine().unwrap();
+    machine.set_back_end(BackEnd::Native).unwrap();
+    machine
 }
 
 fn run(machine: &mut Machine, shifts: &mut Shifts, steps: u64) {
@@ -160,9 +162,6 @@ fn main() {
     if all.get(1).map(String::as_str) == Some("steps") {
         let case = CASES.iter().find(|case| case.name == all[2]).unwrap();
         let mut machine = machine(case);
-        machine
-            .set_back_end(asmotion_lang::BackEnd::Native)
-            .unwrap();
         run(
             &mut machine,
             &mut Shifts(Shifts::SEED),

@@ -44,14 +44,14 @@ macro_rules! cases {
 }
 
 const CASES: &[Case] = cases! {
-    "counter" 4000 12.0;
-    "gcd" 2000 15.0;
-    "phil5" 2000 3.2;
-    "phil50" 500 2.0;
-    "life32" 40 5.0;
-    "sort64" 400 6.0;
-    "agents100" 100 2.5;
-    "coord" 2000 4.5;
+    "counter" 4000 8.0;
+    "gcd" 2000 5.5;
+    "phil5" 2000 2.6;
+    "phil50" 500 1.6;
+    "life32" 40 3.2;
+    "sort64" 400 5.0;
+    "agents100" 100 2.0;
+    "coord" 2000 3.5;
     "bfs1000" 200 150.0;
 };
 
