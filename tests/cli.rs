@@ -12,6 +12,7 @@ mod replay;
 mod run;
 mod sim;
 mod verify;
+mod verify_systems;
 
 use assert_cmd::Command;
 

@@ -2,7 +2,7 @@
 
 use crate::decisions::Decisions;
 use crate::mail::MessagePlan;
-use crate::post::{Exchange, ExpectedReply, Letter, Post, ReplyUse};
+use crate::post::{DelayedMessage, ExpectedReply, PendingReply, Post, ReplyUse};
 use crate::transition::{FaultCause, FullMailbox, MachineFault};
 use crate::translation::translated;
 use asmotion_lang::ir::ValueShape;
@@ -11,7 +11,7 @@ use asmotion_lang::stdlib::operation as operation_name;
 use asmotion_lang::{Machine, Value};
 
 /// Moves messages from and to machines.
-pub(crate) struct Delivery<'a> {
+pub(crate) struct MessageDelivery<'a> {
     pub plan: &'a MessagePlan,
     pub names: &'a [String],
     pub machines: &'a mut Vec<Machine>,
@@ -40,7 +40,7 @@ impl Arrivals {
     }
 }
 
-impl Delivery<'_> {
+impl MessageDelivery<'_> {
     /// Delivers what arrives at a machine before its step: delayed messages, ends of calls, and messages of partners outside the
     /// system.
     pub fn arrive(&mut self, index: usize) -> Arrivals {
@@ -55,7 +55,7 @@ impl Delivery<'_> {
     fn letters(&mut self, index: usize) -> Arrivals {
         let mut arrivals = Arrivals::default();
         for sender in 0..self.machines.len() {
-            let is_it = |letter: &&Letter| letter.from == sender && letter.to == index;
+            let is_it = |letter: &&DelayedMessage| letter.from == sender && letter.to == index;
             let waiting = self.post.letters.iter().filter(is_it).count();
             let arriving = match waiting {
                 0 => 0,
@@ -225,7 +225,7 @@ impl Delivery<'_> {
                 };
                 let exchange = self.post.exchanges.remove(at);
                 let data = self.content(index, exchange.client, data, &operation, false);
-                let letter = Letter {
+                let letter = DelayedMessage {
                     from: index,
                     to: exchange.client,
                     is_reply: true,
@@ -236,7 +236,7 @@ impl Delivery<'_> {
                     data: Value::Undef,
                 };
                 match data {
-                    Some(data) => self.post_letter(Letter { data, ..letter }),
+                    Some(data) => self.post_letter(DelayedMessage { data, ..letter }),
                     None => {
                         self.fail(&letter);
                         Ok(())
@@ -286,7 +286,7 @@ impl Delivery<'_> {
             ReplyUse::Ignored
         };
         let content = self.content(index, provider, data, &operation, true);
-        let letter = Letter {
+        let letter = DelayedMessage {
             from: index,
             to: provider,
             is_reply: false,
@@ -297,7 +297,7 @@ impl Delivery<'_> {
             data: Value::Undef,
         };
         match content {
-            Some(data) => self.post_letter(Letter { data, ..letter }),
+            Some(data) => self.post_letter(DelayedMessage { data, ..letter }),
             None => {
                 self.fail(&letter);
                 Ok(())
@@ -321,7 +321,7 @@ impl Delivery<'_> {
     }
 
     /// A message whose content its receiver does not understand: the call fails.
-    fn fail(&mut self, letter: &Letter) {
+    fn fail(&mut self, letter: &DelayedMessage) {
         let client = letter.client();
         self.event(
             format!("the content of `{}` does not fit", letter.operation),
@@ -334,7 +334,7 @@ impl Delivery<'_> {
     }
 
     /// Sends a message: it is lost, arrives, or travels.
-    fn post_letter(&mut self, letter: Letter) -> Result<(), MachineFault> {
+    fn post_letter(&mut self, letter: DelayedMessage) -> Result<(), MachineFault> {
         if self.plan.model.is_lossy && self.decisions.decide(2) == 1 {
             self.event(format!("`{}` is lost", letter.operation), letter.to);
             return Ok(());
@@ -358,7 +358,7 @@ impl Delivery<'_> {
         arrived + letters.count()
     }
 
-    fn deliver(&mut self, letter: Letter) {
+    fn deliver(&mut self, letter: DelayedMessage) {
         let Some(machine) = self.machines.get_mut(letter.to) else {
             return;
         };
@@ -376,7 +376,7 @@ impl Delivery<'_> {
         let mail = self.plan.machines.get(letter.to);
         let is_answered = mail.is_some_and(|it| it.is_answered(&letter.operation));
         if is_answered && letter.reply != ReplyUse::Ignored {
-            self.post.exchanges.push(Exchange {
+            self.post.exchanges.push(PendingReply {
                 client: letter.from,
                 reply: letter.reply,
                 agent: letter.agent,

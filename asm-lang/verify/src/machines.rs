@@ -5,7 +5,7 @@
 //! inputs that the system reads next.
 
 use crate::decisions::{DecidedChoices, Decisions, InputValue};
-use crate::delivery::{Arrivals, Delivery};
+use crate::delivery::{Arrivals, MessageDelivery};
 use crate::post::{ByteReader, Post, write_number};
 use crate::system::MachineSchedule;
 use crate::system_inputs::{OtherMachines, SystemInputs};
@@ -102,8 +102,8 @@ impl<'a> MachineSystem<'a> {
         Ok(has_changed)
     }
 
-    fn delivery<'s>(&'s mut self, decisions: &'s Decisions) -> Delivery<'s> {
-        Delivery {
+    fn delivery<'s>(&'s mut self, decisions: &'s Decisions) -> MessageDelivery<'s> {
+        MessageDelivery {
             plan: &self.plan.messages,
             names: &self.plan.names,
             machines: &mut self.machines,

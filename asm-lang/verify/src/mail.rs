@@ -116,6 +116,33 @@ impl MessagePlan {
         self.machines.iter().any(|it| it.is_used)
     }
 
+    /// Describes what is assumed of messages.
+    pub fn assumptions(&self) -> Vec<String> {
+        let mut assumed = Vec::new();
+        if !self.is_used() {
+            return assumed;
+        }
+        let lost = if self.model.is_lossy {
+            "can be lost"
+        } else {
+            "are not lost"
+        };
+        let late = if self.model.is_delayed {
+            "arrive any number of steps later"
+        } else {
+            "arrive before the next step of their receiver"
+        };
+        assumed.push(format!("messages {lost} and {late}"));
+        let mut served = self.machines.iter().flat_map(|it| &it.served);
+        if served.any(|it| !it.requests.is_empty()) {
+            let bound = self.model.mailbox;
+            assumed.push(format!(
+                "requests from outside come while fewer than {bound} messages wait"
+            ));
+        }
+        assumed
+    }
+
     /// Finds the partners of all machines.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ pub(crate) enum ReplyUse {
 
 /// A request that a machine has received for another one.
 #[derive(Clone, Debug)]
-pub(crate) struct Exchange {
+pub(crate) struct PendingReply {
     pub client: usize,
     pub reply: ReplyUse,
     /// The agent of the client that sent the request, and the one that stands for the partner.
@@ -30,7 +30,7 @@ pub(crate) struct Exchange {
 
 /// A message that has not arrived yet.
 #[derive(Clone, Debug)]
-pub(crate) struct Letter {
+pub(crate) struct DelayedMessage {
     pub from: usize,
     pub to: usize,
     pub is_reply: bool,
@@ -43,7 +43,7 @@ pub(crate) struct Letter {
     pub data: Value,
 }
 
-impl Letter {
+impl DelayedMessage {
     /// Returns the machine that made the request.
     pub fn client(&self) -> usize {
         if self.is_reply { self.to } else { self.from }
@@ -63,8 +63,8 @@ pub(crate) struct ExpectedReply {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Post {
     /// Oldest first.
-    pub letters: Vec<Letter>,
-    pub exchanges: Vec<Exchange>,
+    pub letters: Vec<DelayedMessage>,
+    pub exchanges: Vec<PendingReply>,
     pub expected: Vec<ExpectedReply>,
 }
 
@@ -163,7 +163,7 @@ impl Post {
             let (sender, to) = (from.index()?, from.index()?);
             let is_reply = from.number()? == 1;
             let client = machines.get(if is_reply { to } else { sender })?;
-            post.letters.push(Letter {
+            post.letters.push(DelayedMessage {
                 from: sender,
                 to,
                 is_reply,
@@ -184,7 +184,7 @@ impl Post {
             );
             let operation = from.text()?;
             let provider = from.index()?;
-            post.exchanges.push(Exchange {
+            post.exchanges.push(PendingReply {
                 client,
                 reply,
                 agent,

@@ -108,11 +108,13 @@ fn declared_atoms(program: &Program, domain: DomainId) -> Option<std::ops::Range
 /// structure. Whether a number is in its domain is checked where it is read.
 pub(crate) fn corresponds(from: (&Program, &ValueShape), to: (&Program, &ValueShape)) -> bool {
     let inner = |left: &ValueShape, right: &ValueShape| corresponds((from.0, left), (to.0, right));
-    match (Kind::of(from.0, from.1), Kind::of(to.0, to.1)) {
-        (Kind::Any, _) | (_, Kind::Any) => true,
-        (Kind::Integer, Kind::Integer | Kind::Real) => true,
-        (Kind::Elements(own), Kind::Elements(other)) => own.iter().all(|name| other.contains(name)),
-        (Kind::Shape(own), Kind::Shape(other)) => match (own, other) {
+    match (ShapeKind::of(from.0, from.1), ShapeKind::of(to.0, to.1)) {
+        (ShapeKind::Any, _) | (_, ShapeKind::Any) => true,
+        (ShapeKind::Integer, ShapeKind::Integer | ShapeKind::Real) => true,
+        (ShapeKind::Elements(own), ShapeKind::Elements(other)) => {
+            own.iter().all(|name| other.contains(name))
+        }
+        (ShapeKind::Shape(own), ShapeKind::Shape(other)) => match (own, other) {
             (ValueShape::Tuple(own), ValueShape::Tuple(other)) => {
                 own.len() == other.len()
                     && own.iter().zip(other).all(|(own, other)| inner(own, other))
@@ -125,13 +127,16 @@ pub(crate) fn corresponds(from: (&Program, &ValueShape), to: (&Program, &ValueSh
             }
             (own, other) => own == other,
         },
-        (Kind::Real, Kind::Real) => true,
-        (Kind::Integer | Kind::Real | Kind::Elements(_) | Kind::Shape(_), _) => false,
+        (ShapeKind::Real, ShapeKind::Real) => true,
+        (
+            ShapeKind::Integer | ShapeKind::Real | ShapeKind::Elements(_) | ShapeKind::Shape(_),
+            _,
+        ) => false,
     }
 }
 
 /// What the values of a shape are.
-enum Kind<'a> {
+enum ShapeKind<'a> {
     Any,
     Integer,
     Real,
@@ -139,7 +144,7 @@ enum Kind<'a> {
     Shape(&'a ValueShape),
 }
 
-impl<'a> Kind<'a> {
+impl<'a> ShapeKind<'a> {
     fn of(program: &'a Program, shape: &'a ValueShape) -> Self {
         match shape {
             ValueShape::Int | ValueShape::Natural => Self::Integer,
@@ -187,14 +192,16 @@ pub(crate) fn described(program: &Program, shape: &ValueShape) -> String {
         ValueShape::Domain(domain) => {
             let name = program.symbols.domains.get(domain.0 as usize);
             let name = name.map_or("", |name| &**name);
-            match Kind::of(program, shape) {
-                Kind::Elements(elements) if !elements.is_empty() => {
+            match ShapeKind::of(program, shape) {
+                ShapeKind::Elements(elements) if !elements.is_empty() => {
                     let elements: Vec<&str> = elements.iter().map(|it| &**it).collect();
                     format!("{name} = {{{}}}", elements.join(" | "))
                 }
-                Kind::Any | Kind::Integer | Kind::Real | Kind::Elements(_) | Kind::Shape(_) => {
-                    name.to_owned()
-                }
+                ShapeKind::Any
+                | ShapeKind::Integer
+                | ShapeKind::Real
+                | ShapeKind::Elements(_)
+                | ShapeKind::Shape(_) => name.to_owned(),
             }
         }
         ValueShape::Tuple(items) => {

@@ -77,8 +77,8 @@ pub fn verify(
     verify_system(SystemSpecification::of(specification), options, proceed)
 }
 
-/// Verifies machines together, with their environment. Inputs and partners that are not connected read the functions and are the
-/// machines of the same names; see [the guide](https://docs.rs/asmotion) for the rule.
+/// Verifies machines together, with their environment. Inputs that are not connected read the functions of the same names of other
+/// machines, and partners that are not linked are the machines of the same names.
 ///
 /// # Errors
 /// As [`verify`], or the machines do not fit together.
@@ -144,8 +144,12 @@ impl PreparedSystem {
             EnvironmentModel::Hold { changes } => plan.changes = Some(changes),
             EnvironmentModel::Script(script) => plan.script = Some(script),
             EnvironmentModel::Specification(specification) => {
+                let mut machine = VerifiedMachine::of(*specification);
+                if system.machines.iter().any(|it| it.name == machine.name) {
+                    "environment".clone_into(&mut machine.name);
+                }
                 plan.environment = Some(system.machines.len());
-                system.machines.push(VerifiedMachine::of(*specification));
+                system.machines.push(machine);
             }
         }
         system.connect_by_name()?;
@@ -179,6 +183,22 @@ impl PreparedSystem {
                 assumptions.push(restriction(machine, input));
             }
         }
+        if let Some(changes) = plan.changes {
+            let inputs = if changes == 1 {
+                "input changes"
+            } else {
+                "inputs change"
+            };
+            assumptions.push(format!(
+                "at most {changes} {inputs} from one step to the next"
+            ));
+        }
+        if let Some(script) = &plan.script {
+            assumptions.push(format!(
+                "the inputs of the script, in {} steps",
+                script.len()
+            ));
+        }
         if plan.environment.is_some() {
             let free = system.free_inputs();
             if !free.is_empty() {
@@ -189,6 +209,7 @@ impl PreparedSystem {
         assumptions.extend(due.texts);
         properties.has_fairness = !(properties.fairness.is_empty() && due.moves.is_empty());
         plan.messages = MessagePlan::of(system, &machines, options.messages, &options.contents)?;
+        assumptions.extend(plan.messages.assumptions());
         Ok(Self {
             properties,
             plan,

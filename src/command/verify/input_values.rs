@@ -18,7 +18,7 @@ pub enum GivenValues {
 }
 
 /// What the values are for.
-enum Target {
+enum ValuesTarget {
     Input(FunctionId),
     /// A partner that replies, or `None` for requests; and the operation.
     Content(Option<Value>, String),
@@ -45,7 +45,7 @@ pub fn machine_of(machines: &[VerifiedMachine], text: &str) -> (usize, String) {
 fn target(
     specification: &Specification,
     name: &str,
-) -> Result<(Target, Option<hir::TypeId>), &'static str> {
+) -> Result<(ValuesTarget, Option<hir::TypeId>), &'static str> {
     let model = &specification.model;
     let mut named = model.own_functions().filter(|(_, it)| &*it.name == name);
     if let Some((id, function)) = named.next() {
@@ -54,7 +54,7 @@ fn target(
             FunctionKind::Monitored | FunctionKind::Shared
         );
         if is_input {
-            let target = Target::Input(FunctionId(id.0));
+            let target = ValuesTarget::Input(FunctionId(id.0));
             return Ok((target, Some(function.codomain)));
         }
         if function.kind != FunctionKind::Out || message_uses(model).is_empty() {
@@ -79,7 +79,7 @@ fn target(
             let atom = atoms.iter().position(|known| **known == *partner);
             let atom = atom.ok_or("the specification has no such partner")?;
             let partner = Value::Atom(Atom(atom as u32));
-            let target = Target::Content(Some(partner), operation.to_owned());
+            let target = ValuesTarget::Content(Some(partner), operation.to_owned());
             Ok((target, declared.map(|it| it.codomain)))
         }
         None => {
@@ -88,7 +88,7 @@ fn target(
                 Some([_, only]) => Some(*only),
                 Some(_) | None => None,
             };
-            Ok((Target::Content(None, operation.to_owned()), ty))
+            Ok((ValuesTarget::Content(None, operation.to_owned()), ty))
         }
     }
 }
@@ -122,12 +122,12 @@ pub fn given_values(
         values.push(value.map_err(|it| fault(specification, &it))?);
     }
     Ok(match target {
-        Target::Input(function) => GivenValues::Input(InputValues {
+        ValuesTarget::Input(function) => GivenValues::Input(InputValues {
             machine,
             function,
             values,
         }),
-        Target::Content(partner, operation) => GivenValues::Content(ContentValues {
+        ValuesTarget::Content(partner, operation) => GivenValues::Content(ContentValues {
             machine,
             partner,
             operation,
