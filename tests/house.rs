@@ -2,7 +2,7 @@
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 use xtask::checkout::Checkout;
@@ -322,8 +322,8 @@ const REQUIREMENTS: [(char, u32); 6] = [
     ('y', 12),
 ];
 
-/// Requirements that are not met: a ported example component, a bridge to ROS, a web monitor.
-const UNMET: [&str; 3] = ["t27", "n6", "y9"];
+/// Requirements that are not met: a bridge to ROS, a web monitor.
+const UNMET: [&str; 2] = ["n6", "y9"];
 
 #[test]
 fn every_requirement_that_is_met_has_a_test_of_its_name() {
@@ -353,4 +353,63 @@ fn every_requirement_that_is_met_has_a_test_of_its_name() {
             "`{requirement}` is unmet: {is_unmet}"
         );
     }
+}
+
+/// Paths of the files of the modules that a file declares.
+fn declared_modules(path: &Path, text: &str) -> Vec<PathBuf> {
+    let folder = path.parent().expect("a folder");
+    let is_folder = path
+        .file_stem()
+        .is_some_and(|it| it == "mod" || it == "main");
+    let (mut files, mut written) = (Vec::new(), None);
+    for line in text.lines().map(str::trim) {
+        if let Some(quoted) = line.strip_prefix("#[path = \"") {
+            written = quoted.split_once('"').map(|(path, _)| folder.join(path));
+            continue;
+        }
+        let words: Vec<&str> = line.split([' ', ';']).collect();
+        let of_module = words.iter().position(|it| *it == "mod");
+        let name = of_module.and_then(|at| words.get(at + 1));
+        if let (Some(name), true) = (name, line.ends_with(';') && !line.starts_with("//")) {
+            let below = folder.join(path.file_stem().expect("a name"));
+            let inside = if is_folder { folder } else { &below };
+            files.extend(written.take());
+            files.extend([folder, inside].map(|it| it.join(format!("{name}.rs"))));
+            files.extend([folder, inside].map(|it| it.join(name).join("mod.rs")));
+        }
+    }
+    files
+}
+
+/// A file that no test target reaches is not compiled, so its tests run nowhere.
+#[test]
+fn every_file_of_tests_is_part_of_a_test_target() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let checkout = Checkout::working_tree(root).expect("the sources");
+    let texts: BTreeMap<PathBuf, &str> = checkout
+        .files
+        .iter()
+        .map(|file| (root.join(&file.path), &*file.text))
+        .collect();
+    let packages = workspace().packages.iter();
+    let targets = packages.clone().flat_map(|package| &package.targets);
+    let mut open: Vec<PathBuf> = targets.map(|it| it.src_path.clone().into()).collect();
+    let mut reached = BTreeSet::new();
+    while let Some(path) = open.pop() {
+        let Ok(path) = path.canonicalize() else {
+            continue;
+        };
+        if let (Some(text), true) = (texts.get(&path), reached.insert(path.clone())) {
+            open.extend(declared_modules(&path, text));
+        }
+    }
+    let folders: Vec<PathBuf> = packages
+        .filter_map(|package| Some(package.manifest_path.parent()?.join("tests").into()))
+        .collect();
+    let of_tests = texts.iter().filter(|(path, text)| {
+        text.contains("#[test]") && folders.iter().any(|folder| path.starts_with(folder))
+    });
+    let lost = of_tests.filter(|(path, _)| !reached.contains(*path));
+    let lost: Vec<_> = lost.map(|(path, _)| path).collect();
+    assert!(lost.is_empty(), "not compiled: {lost:?}");
 }

@@ -1,6 +1,6 @@
 //! Two components that greet: each with ports, a property, an operation of a service, and the other as its peer.
 //!
-//! `cargo run -p asmotion-component --example hello`
+//! `cargo run -p asmotion-runtime --example hello`
 
 #![allow(clippy::print_stdout, reason = "an example prints its result")]
 

@@ -10,6 +10,7 @@ mod cycle;
 mod derived;
 mod freeze;
 mod live;
+mod orocos;
 mod safe;
 mod schedule;
 mod services;

@@ -8,8 +8,8 @@ use asmotion_component::{
 };
 use asmotion_runtime::{Run, System};
 
+use super::support::{Seen, taken};
 use crate::common::{Double, behaviour, doubler, in_real_time, number};
-use crate::support::{Seen, taken};
 
 /// Serves `double` in the caller's thread; its own cycles are slow.
 fn serving_in_callers(nap: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {

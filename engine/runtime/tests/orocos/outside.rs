@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use asmotion_component::{Activity, Lock, Policy, Span, State, Time};
 use asmotion_runtime::{BuildError, Run, RunError, System, WriteError};
 
+use super::support::{Seen, looker, reader, shown, taken};
 use crate::common::{Number, Twist, behaviour, counter, in_real_time, number};
-use crate::support::{Seen, looker, reader, shown, taken};
 
 fn counting(period: Duration) -> System {
     let mut system = System::new();

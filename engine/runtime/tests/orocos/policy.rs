@@ -3,8 +3,8 @@
 use asmotion_component::{Activity, BufferKind, Fault, Lock, Policy, Sharing, Span, State};
 use asmotion_runtime::{Run, System};
 
+use super::support::{Bench, Seen, reader, taken};
 use crate::common::burst;
-use crate::support::{Bench, Seen, reader, taken};
 
 #[test]
 fn o8_the_defaults_are_those_of_the_book() {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use asmotion_component::{Activity, Lock, Policy, Span};
 use asmotion_runtime::{Run, System};
 
+use super::support::{Bench, Seen, looker, reader, taken, writer};
 use crate::common::{Twist, Words, behaviour, counter};
-use crate::support::{Bench, Seen, looker, reader, taken, writer};
 
 #[test]
 fn o4_an_event_port_makes_its_component_cycle_and_a_silent_one_does_not() {

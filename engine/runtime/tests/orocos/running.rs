@@ -3,8 +3,8 @@
 use asmotion_component::{Activity, Lock, Policy, Span};
 use asmotion_runtime::{BuildError, Run, System};
 
+use super::support::{Bench, Seen, looker, reader, taken, writer};
 use crate::common::counter;
-use crate::support::{Bench, Seen, looker, reader, taken, writer};
 
 #[test]
 fn o8_a_connection_made_while_both_run_carries_what_is_written_from_then_on() {
