@@ -10,6 +10,7 @@ pub(crate) mod c082;
 pub(crate) mod c152;
 pub(crate) mod c155;
 pub(crate) mod c156;
+pub(crate) mod c157;
 
 use asmotion_diagnostics::Code;
 
@@ -25,4 +26,5 @@ pub const CODES: &[&Code] = &[
     c152::TokenInClear::CODE,
     c155::OperationMismatch::CODE,
     c156::QueueNeeded::CODE,
+    c157::ChangeLost::CODE,
 ];

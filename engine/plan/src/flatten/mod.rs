@@ -3,6 +3,7 @@
 mod component;
 mod endpoint;
 mod join;
+mod late_reader;
 mod operations;
 mod order;
 mod place;
@@ -245,6 +246,7 @@ impl<'p> Flattener<'p, '_> {
             let mut to = Resolver::new(&outermost.scope, &outermost.prefix, self.notes);
             place::place(composite, &nested, &mut to, &mut self.plan);
         }
+        self.late_readers();
         self.plan.start_order = order::start_order(&self.plan);
         self.plan.missing = self.notes.missing.clone();
         Some(self.plan)
