@@ -27,6 +27,9 @@ pub struct Http;
 /// Composites of the Service Component Architecture, and RTT's property files.
 pub struct Scdl;
 
+/// Decision diagrams: `verify --engine symbolic`.
+pub struct Symbolic;
+
 /// Terminal user interface: `top` and `run --top`.
 pub struct Tui;
 
@@ -43,6 +46,11 @@ impl Feature for Http {
 impl Feature for Scdl {
     const NAME: &'static str = "scdl";
     const BRINGS: &'static str = "the reader and writer of SCDL";
+}
+
+impl Feature for Symbolic {
+    const NAME: &'static str = "symbolic";
+    const BRINGS: &'static str = "the symbolic engine of `verify`";
 }
 
 impl Feature for Tui {

@@ -27,7 +27,8 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-machine", "asmotion-ground"],
     &["asmotion-simulate", "asmotion-native"],
     &["asmotion-lang"],
-    &["asmotion-properties", "asmotion-verify"],
+    &["asmotion-properties", "asmotion-symbolic"],
+    &["asmotion-verify"],
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
     &["asmotion-bus"],

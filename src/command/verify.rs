@@ -1,6 +1,7 @@
 //! `asmotion verify`: proves properties of specifications for all inputs and choices.
 
 mod avalla;
+mod engine;
 mod export;
 mod follow_up;
 mod input_values;
@@ -22,6 +23,7 @@ use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
 use asmotion_verify::{Progress, SystemSpecification, Verdict, Verification, verify_system};
 use clap::Args;
+use engine::EngineOption;
 use std::path::PathBuf;
 use std::time::Duration;
 use system::SystemOptions;
@@ -66,6 +68,10 @@ pub struct Verify {
     /// Initial state to start from [default: the default one]
     #[arg(long, value_name = "NAME")]
     init: Option<String>,
+
+    /// Explores states one by one, or sets of them as decision diagrams
+    #[arg(long, value_name = "ENGINE", value_enum, default_value_t = EngineOption::Explicit)]
+    engine: EngineOption,
 
     /// Explores only states within this number of steps
     #[arg(long, value_name = "STEPS")]

@@ -13,6 +13,7 @@ pub(crate) mod m010;
 pub(crate) mod m011;
 pub(crate) mod m012;
 pub(crate) mod m020;
+pub(crate) mod m030;
 
 use asmotion_diagnostics::{Code, Span};
 use asmotion_lang::Specification;
@@ -32,6 +33,7 @@ pub const CODES: &[&Code] = &[
     m011::MailboxOverflow::CODE,
     m012::SeveralMachines::CODE,
     m020::UnknownFairName::CODE,
+    m030::NotSymbolic::CODE,
 ];
 
 /// Returns the place of the main rule.

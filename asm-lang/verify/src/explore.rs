@@ -190,6 +190,24 @@ pub(crate) struct Exploration {
 }
 
 impl Exploration {
+    /// Returns an exploration that found one path only: the bytes of a state and the known inputs, for each node.
+    #[cfg(feature = "symbolic")]
+    pub fn of_path(path: Vec<(Vec<u8>, Vec<InputValue>)>) -> Self {
+        let mut found = Self::default();
+        for (node, (state, inputs)) in path.into_iter().enumerate() {
+            let node = node as u32;
+            let (state, is_new) = found.states.add(&state).unwrap_or_default();
+            if is_new {
+                found.first_nodes.push(node);
+            }
+            found.state_of.push(state);
+            found.inputs_of.push(node);
+            found.inputs.push(inputs);
+            found.parents.push(node.checked_sub(1).unwrap_or(NO_PARENT));
+        }
+        found
+    }
+
     /// Returns the number of nodes.
     pub fn nodes(&self) -> u32 {
         match &self.words {

@@ -54,6 +54,8 @@ mod property;
 mod reads;
 mod simplest;
 mod store;
+#[cfg(feature = "symbolic")]
+mod symbolic;
 mod system;
 mod system_inputs;
 mod system_plan;
@@ -72,7 +74,7 @@ pub use guards::RunGuard;
 pub use mail::{ContentValues, MessageModel};
 pub use mutation::{Mutant, mutants};
 pub use named_value::NamedValue;
-pub use options::{FairName, InputValues, Options};
+pub use options::{Engine, FairName, InputValues, Options};
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
 pub use system::{
     ConnectedLocation, InputConnection, MachineSchedule, MessageLink, SystemSpecification,

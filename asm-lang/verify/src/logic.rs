@@ -371,7 +371,7 @@ fn missing() -> LogicError {
     LogicError("an operator lacks an operand".to_owned())
 }
 
-fn ctl(formula: &Formula) -> Result<Ctl, LogicError> {
+pub(crate) fn ctl(formula: &Formula) -> Result<Ctl, LogicError> {
     let (operator, operands) = match formula {
         Formula::Constant(true) => return Ok(Ctl::True),
         Formula::Constant(false) => return Ok(Ctl::False),
@@ -419,7 +419,7 @@ fn ctl(formula: &Formula) -> Result<Ctl, LogicError> {
     }
 }
 
-fn ltl(formula: &Formula) -> Result<Ltl, LogicError> {
+pub(crate) fn ltl(formula: &Formula) -> Result<Ltl, LogicError> {
     let (operator, operands) = match formula {
         Formula::Constant(true) => return Ok(Ltl::True),
         Formula::Constant(false) => return Ok(Ltl::False),

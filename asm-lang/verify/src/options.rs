@@ -26,6 +26,17 @@ pub struct FairName {
     pub is_strong: bool,
 }
 
+/// The way in which states are explored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// One by one.
+    #[default]
+    Explicit,
+    /// Sets of them, as decision diagrams.
+    #[cfg(feature = "symbolic")]
+    Symbolic,
+}
+
 /// What is verified, and how far.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -51,6 +62,8 @@ pub struct Options {
     pub inputs: Vec<InputValues>,
     /// Contents of messages from outside the system that are given; others have all values of their domains.
     pub contents: Vec<ContentValues>,
+    /// The way in which states are explored.
+    pub engine: Engine,
     /// How messages travel.
     pub messages: MessageModel,
     /// `true` to let a machine execute every step. By default, the steps of one specification over finite ranges are executed in

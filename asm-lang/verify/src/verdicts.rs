@@ -1,17 +1,19 @@
 //! Verdicts: the properties, checked in everything that was explored.
 
 use crate::counterexample::{NodePath, Replay, Run};
+use crate::explore::Incomplete;
 use crate::formula::{Formula, Operator};
 use crate::logic::{self, Checker, FairnessOfSteps, LogicError};
 use crate::preparation::{Prepared, Property};
 use crate::property::{CheckedProperty, Note, PropertyKind, Verdict};
+use crate::system::VerifiedMachine;
 use crate::transition::TransitionSystem;
 use asmotion_lang::coverage::Coverage;
 use asmotion_temporal::FairPaths;
 
 /// A property that needs no graph, because it is about single nodes.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum NodeProperty {
+pub(crate) enum NodeProperty {
     /// Every node has it.
     All,
     /// Some node has it.
@@ -26,7 +28,7 @@ impl Prepared {
     }
 
     /// Returns the condition that all nodes must have, or some node; `None` if the property is about paths.
-    fn of_nodes<'a>(&self, property: &'a Property) -> Option<(NodeProperty, &'a Formula)> {
+    pub fn of_nodes<'a>(&self, property: &'a Property) -> Option<(NodeProperty, &'a Formula)> {
         if property.kind == PropertyKind::Invariant {
             return Some((NodeProperty::All, &property.formula));
         }
@@ -302,26 +304,39 @@ impl<S: TransitionSystem> Judge<'_, S> {
 
     fn rules(&self) -> CheckedProperty {
         let exploration = self.replay.exploration;
-        let mut rules: Vec<String> = Vec::new();
-        for (machine, counts) in self.replay.machines.iter().zip(&exploration.counts) {
-            let coverage = Coverage::of(&machine.specification, counts);
-            for (path, file) in &coverage.files {
-                let never = file.rules.values().filter(|rule| rule.calls == 0);
-                rules.extend(never.map(|rule| format!("{} ({path}:{})", rule.name, rule.line)));
-            }
-        }
-        let verdict = match (rules.is_empty(), exploration.incomplete) {
-            (true, _) => Verdict::Holds(None),
-            (false, None) => Verdict::Violated(None),
-            (false, Some(_)) => Verdict::Unknown,
-        };
-        let notes = (!rules.is_empty()).then_some(Note::Also(rules));
-        general(PropertyKind::RulesRun, "every rule runs", verdict, notes)
+        rules_run(
+            self.replay.machines,
+            &exploration.counts,
+            exploration.incomplete,
+        )
     }
 }
 
+/// Judges whether every rule runs, by the coverage counts of each machine.
+pub(crate) fn rules_run(
+    machines: &[VerifiedMachine],
+    counts: &[Vec<u64>],
+    incomplete: Option<Incomplete>,
+) -> CheckedProperty {
+    let mut rules: Vec<String> = Vec::new();
+    for (machine, counts) in machines.iter().zip(counts) {
+        let coverage = Coverage::of(&machine.specification, counts);
+        for (path, file) in &coverage.files {
+            let never = file.rules.values().filter(|rule| rule.calls == 0);
+            rules.extend(never.map(|rule| format!("{} ({path}:{})", rule.name, rule.line)));
+        }
+    }
+    let verdict = match (rules.is_empty(), incomplete) {
+        (true, _) => Verdict::Holds(None),
+        (false, None) => Verdict::Violated(None),
+        (false, Some(_)) => Verdict::Unknown,
+    };
+    let notes = (!rules.is_empty()).then_some(Note::Also(rules));
+    general(PropertyKind::RulesRun, "every rule runs", verdict, notes)
+}
+
 /// Returns a property that every specification should have.
-fn general(
+pub(crate) fn general(
     kind: PropertyKind,
     text: &str,
     verdict: Verdict,

@@ -15,6 +15,8 @@ use crate::growth::{GrowingLocation, growing_locations};
 use crate::inputs::InputRanges;
 use crate::machines::MachineSystem;
 use crate::mail::MessagePlan;
+#[cfg(feature = "symbolic")]
+use crate::options::Engine;
 use crate::options::{InputValues, Options};
 use crate::preparation::{Prepared, prepare, report_of};
 use crate::property::CheckedProperty;
@@ -32,9 +34,9 @@ pub struct Verification {
     pub machines: Vec<VerifiedMachine>,
     /// The properties with their verdicts: those of the specification in their order, then those that all should have.
     pub properties: Vec<CheckedProperty>,
-    /// Number of states.
+    /// Number of states; 2^64 - 1 if there are more.
     pub states: u64,
-    /// Number of transitions that update a location, and of initial states.
+    /// Number of transitions that update a location, and of initial states; 2^64 - 1 if there are more.
     pub transitions: u64,
     /// Number of cases, a state with inputs, that an assumption excludes.
     pub excluded: u64,
@@ -105,7 +107,26 @@ pub fn verify_system(
         fair: &fair,
     };
     let is_single = machines.len() == 1 && plan.is_plain();
+    #[cfg(feature = "symbolic")]
+    let is_symbolic = options.engine == Engine::Symbolic;
     let explored = match (machines.as_slice(), plan.ranges.first()) {
+        #[cfg(feature = "symbolic")]
+        ([machine], Some(ranges))
+            if is_single && is_symbolic && fair.is_empty() && !options.advice =>
+        {
+            exploring.symbolic(machine, ranges, proceed)
+        }
+        #[cfg(feature = "symbolic")]
+        _ if is_symbolic => {
+            let construct = match (options.advice, fair.is_empty()) {
+                (true, _) => "advice, which is about single states",
+                (false, false) => "fairness of rules and agents",
+                (false, true) => "a system of several machines, an environment or messages",
+            };
+            let first = system.machines.first();
+            let report = first.map(|it| crate::symbolic::refuse(&it.specification, construct));
+            Err((0, report.unwrap_or_default()))
+        }
         ([machine], Some(ranges)) if is_single => {
             let machine = machine.clone();
             exploring.run(SingleMachine { machine, ranges }, proceed)
@@ -239,15 +260,7 @@ impl Exploring<'_> {
             .explore(&system, proceed)
             .map_err(|error| self.explain(&system, &error))?;
         if exploration.initial == 0 {
-            let finding = NothingAssumed {
-                assumptions: self.properties.assumptions.clone(),
-                at: self
-                    .known
-                    .first()
-                    .map(|it| main_rule(&it.specification))
-                    .unwrap_or_default(),
-            };
-            return Err((0, report_of(finding.diagnostic())));
+            return Err((0, self.nothing_assumed()));
         }
         let replay = Replay {
             machines: self.known,
@@ -304,6 +317,53 @@ impl Exploring<'_> {
             }
         }
         Explorer::new(system.clone(), conditions, limits, keeps_edges, self.fair).run(proceed)
+    }
+
+    /// Explores a specification with decision diagrams.
+    #[cfg(feature = "symbolic")]
+    fn symbolic(
+        &self,
+        machine: &Machine,
+        ranges: &InputRanges,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Verification, (usize, Report)> {
+        let symbolic = crate::symbolic::Symbolic {
+            known: self.known,
+            properties: self.properties,
+            options: self.options,
+            machine,
+            ranges,
+            fair: self.fair,
+        };
+        let found = symbolic.run(proceed).map_err(|report| (0, report))?;
+        if !found.has_initial {
+            return Err((0, self.nothing_assumed()));
+        }
+        Ok(Verification {
+            machines: Vec::new(),
+            properties: found.properties,
+            states: found.states,
+            transitions: found.transitions,
+            excluded: found.excluded,
+            assumptions: Vec::new(),
+            depth: found.depth,
+            incomplete: found.incomplete,
+            growing: Vec::new(),
+            advice: Vec::new(),
+            has_advice_on_steps: false,
+            is_grounded: false,
+            memory: found.memory,
+        })
+    }
+
+    /// Describes assumptions that exclude all initial states.
+    fn nothing_assumed(&self) -> Report {
+        let at = self.known.first().map(|it| main_rule(&it.specification));
+        let finding = NothingAssumed {
+            assumptions: self.properties.assumptions.clone(),
+            at: at.unwrap_or_default(),
+        };
+        report_of(finding.diagnostic())
     }
 
     fn explain<S: TransitionSystem>(

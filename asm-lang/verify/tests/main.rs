@@ -19,6 +19,7 @@ mod naive_systems;
 mod runs;
 mod simplest;
 mod specs;
+mod symbolic;
 mod systems;
 mod unbounded;
 

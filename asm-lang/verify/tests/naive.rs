@@ -107,7 +107,7 @@ impl Random {
         all[self.below(all.len() as u64) as usize]
     }
 
-    fn condition(&mut self, depth: u32) -> String {
+    pub fn condition(&mut self, depth: u32) -> String {
         match self.below(if depth == 0 { 4 } else { 7 }) {
             0 => self.one_of(&["left", "right", "p", "q"]).to_owned(),
             1 => format!("n = {}", self.below(4)),

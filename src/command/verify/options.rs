@@ -20,6 +20,13 @@ impl Verify {
                 invariants.any(|name| name == text) || properties.any(|name| name == text)
             })
         };
+        let engine = match self.engine.engine() {
+            Ok(engine) => engine,
+            Err(error) => {
+                terminal.error(error);
+                return Err(Exit::Usage);
+            }
+        };
         let terms = self.property.iter().filter(|text| !is_declared(text));
         let mut options = Options {
             limits: Limits {
@@ -42,6 +49,7 @@ impl Verify {
             advice: self.advice,
             keeps_states: self.itf.is_some(),
             inputs: Vec::new(),
+            engine,
             messages: self.system.message_model(),
             ..Options::default()
         };

@@ -1,0 +1,279 @@
+//! Binary decision diagrams, with errors in place of panics, and with exact counting.
+
+use crate::error::SymbolicError;
+use oxidd::bdd::{BDDFunction, BDDManagerRef};
+use oxidd::util::AllocResult;
+use oxidd::{
+    BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function, FunctionSubst, HasLevel,
+    Manager, ManagerRef, Node, NodeID, Subst,
+};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Number of a Boolean variable; variables are ordered by it.
+pub(crate) type BitIndex = u32;
+
+/// A Boolean function.
+#[derive(Clone, PartialEq, Eq)]
+pub(crate) struct Bdd(BDDFunction);
+
+/// A renaming of variables.
+pub(crate) struct Renaming(Option<Subst<BDDFunction>>);
+
+/// The store of all functions.
+pub(crate) struct BddStore {
+    manager: BDDManagerRef,
+    capacity: usize,
+    always: Bdd,
+    never: Bdd,
+}
+
+/// Bytes for an inner node, with its part of the unique table.
+const NODE_BYTES: u64 = 24;
+
+/// Bytes for an entry of the cache of operations.
+const CACHE_ENTRY_BYTES: u64 = 28;
+
+impl BddStore {
+    /// Creates a store that takes at most this memory, in bytes.
+    pub fn new(memory: u64) -> Self {
+        let memory = memory.clamp(4 << 20, 64 << 30);
+        // a quarter for the cache of operations, rounded down to a power of two
+        let entries = (memory / 4 / CACHE_ENTRY_BYTES).clamp(1 << 14, 1 << 20);
+        let entries = 1_usize << entries.ilog2();
+        let nodes = (memory / 4 * 3 / NODE_BYTES).clamp(1 << 16, u64::from(u32::MAX / 4));
+        let capacity = nodes as usize;
+        let manager = oxidd::bdd::new_manager(capacity, entries, 1);
+        let (always, never) =
+            manager.with_manager_shared(|it| (Bdd(BDDFunction::t(it)), Bdd(BDDFunction::f(it))));
+        Self {
+            manager,
+            capacity,
+            always,
+            never,
+        }
+    }
+
+    pub fn always(&self) -> Bdd {
+        self.always.clone()
+    }
+
+    pub fn never(&self) -> Bdd {
+        self.never.clone()
+    }
+
+    /// Adds variables after the existing ones; returns the number of the first.
+    pub fn add_bits(&self, count: u32) -> BitIndex {
+        let added = self.manager.with_manager_exclusive(|it| it.add_vars(count));
+        added.start
+    }
+
+    /// Returns the function that is true if the variable has this value.
+    pub fn bit(&self, bit: BitIndex, value: bool) -> Result<Bdd, SymbolicError> {
+        self.run(|| {
+            self.manager.with_manager_shared(|it| {
+                if value {
+                    BDDFunction::var(it, bit)
+                } else {
+                    BDDFunction::not_var(it, bit)
+                }
+            })
+        })
+    }
+
+    /// Returns the conjunction of variables, which stands for the set of them.
+    pub fn bits(&self, bits: &[BitIndex]) -> Result<Bdd, SymbolicError> {
+        let mut sorted = bits.to_vec();
+        sorted.sort_unstable();
+        let mut all = self.always();
+        for bit in sorted.into_iter().rev() {
+            all = self.and(&self.bit(bit, true)?, &all)?;
+        }
+        Ok(all)
+    }
+
+    /// Executes an operation; if the memory is full, once more after a collection of unused functions.
+    fn run(&self, operation: impl Fn() -> AllocResult<BDDFunction>) -> Result<Bdd, SymbolicError> {
+        if let Ok(function) = operation() {
+            return Ok(Bdd(function));
+        }
+        self.collect();
+        operation().map(Bdd).map_err(|_| SymbolicError::Memory)
+    }
+
+    /// Removes unused functions.
+    fn collect(&self) {
+        self.manager.with_manager_shared(|it| it.gc());
+    }
+
+    /// Removes unused functions if there are many functions.
+    pub fn tidy(&self) {
+        if self.nodes() > self.capacity / 4 * 3 {
+            self.collect();
+        }
+    }
+
+    /// Returns the number of nodes of all functions.
+    fn nodes(&self) -> usize {
+        self.manager
+            .with_manager_shared(|it| it.approx_num_inner_nodes())
+    }
+
+    /// Returns the memory in use for functions, in bytes.
+    pub fn memory(&self) -> u64 {
+        self.nodes() as u64 * NODE_BYTES
+    }
+
+    pub fn not(&self, of: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| of.0.not())
+    }
+
+    pub fn and(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| left.0.and(&right.0))
+    }
+
+    pub fn or(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| left.0.or(&right.0))
+    }
+
+    /// Returns `left` without `right`.
+    pub fn without(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| right.0.imp_strict(&left.0))
+    }
+
+    pub fn same(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| left.0.equiv(&right.0))
+    }
+
+    /// Returns the function that is true if `of` is for some values of the variables.
+    pub fn exists(&self, of: &Bdd, bits: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| of.0.exists(&bits.0))
+    }
+
+    /// Returns `exists(and(left, right), bits)`.
+    pub fn and_exists(&self, left: &Bdd, right: &Bdd, bits: &Bdd) -> Result<Bdd, SymbolicError> {
+        self.run(|| left.0.apply_exists(BooleanOperator::And, &right.0, &bits.0))
+    }
+
+    /// Returns the disjunction of functions.
+    pub fn any<'b>(&self, all: impl IntoIterator<Item = &'b Bdd>) -> Result<Bdd, SymbolicError> {
+        let mut any = self.never();
+        for one in all {
+            any = self.or(&any, one)?;
+        }
+        Ok(any)
+    }
+
+    /// Returns the renaming of each first variable to the second one.
+    pub fn renaming(&self, pairs: &[(BitIndex, BitIndex)]) -> Result<Renaming, SymbolicError> {
+        if pairs.is_empty() {
+            return Ok(Renaming(None));
+        }
+        let from: Vec<BitIndex> = pairs.iter().map(|(from, _)| *from).collect();
+        let mut to = Vec::with_capacity(pairs.len());
+        for (_, bit) in pairs {
+            to.push(self.bit(*bit, true)?.0);
+        }
+        Ok(Renaming(Some(Subst::new(from, to))))
+    }
+
+    pub fn rename(&self, of: &Bdd, renaming: &Renaming) -> Result<Bdd, SymbolicError> {
+        match &renaming.0 {
+            None => Ok(of.clone()),
+            Some(renaming) => self.run(|| of.0.substitute(renaming)),
+        }
+    }
+
+    /// Returns the number of assignments of these variables, in ascending order, for which the function is true; it depends on no
+    /// other ones. `None` if the number exceeds 128 bits.
+    pub fn count(&self, of: &Bdd, bits: &[BitIndex]) -> Option<u128> {
+        let positions: FxHashMap<BitIndex, u32> = bits.iter().copied().zip(0_u32..).collect();
+        let mut known = FxHashMap::default();
+        let (count, position) =
+            self.count_below(&of.0, &positions, bits.len() as u32, &mut known)?;
+        scaled(count, position)
+    }
+
+    /// Returns the number of assignments of the variables from that of the function on, and the position of that variable.
+    fn count_below(
+        &self,
+        of: &BDDFunction,
+        positions: &FxHashMap<BitIndex, u32>,
+        end: u32,
+        known: &mut FxHashMap<NodeID, u128>,
+    ) -> Option<(u128, u32)> {
+        let Some((high, low)) = of.cofactors() else {
+            return Some((u128::from(of.satisfiable()), end));
+        };
+        let position = *positions.get(&top(of)?)?;
+        let id = id(of);
+        if let Some(count) = known.get(&id) {
+            return Some((*count, position));
+        }
+        let mut count = 0_u128;
+        for part in [high, low] {
+            let (inner, at) = self.count_below(&part, positions, end, known)?;
+            count = count.checked_add(scaled(inner, at.checked_sub(position + 1)?)?)?;
+        }
+        known.insert(id, count);
+        Some((count, position))
+    }
+
+    /// Returns the variables on which a function depends, in ascending order.
+    pub fn support(&self, of: &Bdd) -> Vec<BitIndex> {
+        let mut seen: FxHashSet<NodeID> = FxHashSet::default();
+        let mut bits = std::collections::BTreeSet::new();
+        let mut rest = vec![of.0.clone()];
+        while let Some(function) = rest.pop() {
+            if let Some((high, low)) = function.cofactors()
+                && seen.insert(id(&function))
+            {
+                bits.extend(top(&function));
+                rest.extend([high, low]);
+            }
+        }
+        bits.into_iter().collect()
+    }
+}
+
+fn scaled(count: u128, bits: u32) -> Option<u128> {
+    match count {
+        0 => Some(0),
+        _ => count.checked_mul(1_u128.checked_shl(bits)?),
+    }
+}
+
+/// Returns the number of a function's node, which is unique while the function is referred to.
+fn id(of: &BDDFunction) -> NodeID {
+    of.with_manager_shared(|_, edge| edge.node_id())
+}
+
+/// Returns the first variable on which a function depends.
+fn top(of: &BDDFunction) -> Option<BitIndex> {
+    // variables are never reordered: a level is a variable
+    of.with_manager_shared(|manager, edge| match manager.get_node(edge) {
+        Node::Inner(node) => Some(node.level()),
+        Node::Terminal(_) => None,
+    })
+}
+
+impl Bdd {
+    /// Returns `true` if the function is nowhere true.
+    pub fn is_never(&self) -> bool {
+        !self.0.satisfiable()
+    }
+
+    /// Returns `true` if the function is true everywhere.
+    pub fn is_always(&self) -> bool {
+        self.0.valid()
+    }
+
+    /// Returns the number of nodes.
+    pub fn size(&self) -> usize {
+        self.0.node_count()
+    }
+
+    /// Returns the value for an assignment, in which other variables are false.
+    pub fn holds(&self, bits: &[(BitIndex, bool)]) -> bool {
+        self.0.eval(bits.iter().copied())
+    }
+}

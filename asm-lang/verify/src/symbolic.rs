@@ -1,0 +1,212 @@
+//! The symbolic engine: sets of states as decision diagrams instead of single states.
+
+mod judge;
+mod walk;
+
+use crate::codes::m001::InputWithoutRange;
+use crate::codes::m030::NotSymbolic;
+use crate::codes::main_rule;
+use crate::explore::{Incomplete, Progress};
+use crate::fair_moves::FairMoves;
+use crate::inputs::InputRanges;
+use crate::options::Options;
+use crate::preparation::{Prepared, report_of};
+use crate::property::CheckedProperty;
+use crate::system::VerifiedMachine;
+use crate::transition::SingleMachine;
+use asmotion_diagnostics::Finding;
+use asmotion_lang::ir::FunctionId;
+use asmotion_lang::{Machine, Report, Specification};
+use asmotion_symbolic::{
+    ModelSource, Reached, SearchLimit, SearchProgress, SymbolicError, SymbolicModel,
+};
+use judge::SymbolicJudge;
+use std::cell::RefCell;
+
+/// Memory for diagrams if there is no limit, in bytes.
+const MEMORY: u64 = 4 << 30;
+
+/// What was found with decision diagrams.
+pub(crate) struct Found {
+    pub properties: Vec<CheckedProperty>,
+    pub states: u64,
+    pub transitions: u64,
+    pub excluded: u64,
+    pub depth: u32,
+    /// Memory for diagrams, in bytes.
+    pub memory: u64,
+    pub incomplete: Option<Incomplete>,
+    /// `false` if the assumptions exclude the initial state.
+    pub has_initial: bool,
+}
+
+/// A verification with decision diagrams.
+pub(crate) struct Symbolic<'a> {
+    pub known: &'a [VerifiedMachine],
+    pub properties: &'a Prepared,
+    pub options: &'a Options,
+    pub machine: &'a Machine,
+    pub ranges: &'a InputRanges,
+    /// Agents and rules to which fairness is due: none.
+    pub fair: &'a FairMoves,
+}
+
+impl Symbolic<'_> {
+    /// Finds all states and checks the properties.
+    ///
+    /// # Errors
+    /// The specification has no representation as diagrams.
+    pub fn run(&self, proceed: &mut dyn FnMut(Progress) -> bool) -> Result<Found, Report> {
+        let proceed = RefCell::new(proceed);
+        let last = RefCell::new(Progress {
+            states: 1,
+            explored: 0,
+            transitions: 0,
+            depth: 0,
+            memory: 0,
+        });
+        let again = || (proceed.borrow_mut())(*last.borrow());
+        let ranges = |function: FunctionId| self.ranges.of(function).ok().map(<[_]>::to_vec);
+        let conditions: Vec<_> = self
+            .properties
+            .conditions
+            .terms
+            .iter()
+            .map(|it| it.term)
+            .collect();
+        let source = ModelSource {
+            machine: self.machine,
+            ranges: &ranges,
+            conditions: &conditions,
+            assumed: &self.properties.conditions.assumed,
+            memory: self.options.limits.memory.unwrap_or(MEMORY),
+        };
+        let explain = |error: SymbolicError| self.explain(error);
+        let model = match SymbolicModel::of(&source, &mut || again()) {
+            Ok(model) => model,
+            Err(SymbolicError::Memory) => return Ok(self.nothing(Incomplete::Memory)),
+            Err(SymbolicError::Stopped) => return Ok(self.nothing(Incomplete::Stopped)),
+            Err(error) => return Err(explain(error)),
+        };
+        let limits = (self.options.limits.states, self.options.limits.depth);
+        let mut searching = |search: SearchProgress| {
+            *last.borrow_mut() = Progress {
+                states: search.states,
+                explored: search.states,
+                transitions: 0,
+                depth: search.depth,
+                memory: search.memory,
+            };
+            again()
+        };
+        let reached = model.reach(limits, &mut searching).map_err(explain)?;
+        if reached.rings.is_empty() {
+            return Ok(Found {
+                has_initial: false,
+                ..self.nothing(Incomplete::Depth)
+            });
+        }
+        let judge = SymbolicJudge::new(self, &model, &reached, &again);
+        let properties = judge.verdicts()?;
+        self.found(&model, &reached, judge.incomplete(), properties)
+    }
+
+    fn found(
+        &self,
+        model: &SymbolicModel,
+        reached: &Reached,
+        incomplete: Option<Incomplete>,
+        properties: Vec<CheckedProperty>,
+    ) -> Result<Found, Report> {
+        let counts = match model.counts(reached) {
+            Ok(counts) => Some(counts),
+            Err(SymbolicError::Memory) => None,
+            Err(error) => return Err(self.explain(error)),
+        };
+        let count = |count: Option<Option<u64>>| count.flatten().unwrap_or(u64::MAX);
+        Ok(Found {
+            properties,
+            states: count(counts.as_ref().map(|it| it.states)),
+            transitions: count(counts.as_ref().map(|it| it.transitions)),
+            excluded: counts.and_then(|it| it.excluded).unwrap_or(0),
+            depth: (reached.rings.len() as u32).saturating_sub(1),
+            memory: model.memory(),
+            incomplete,
+            has_initial: true,
+        })
+    }
+
+    /// The result if nothing is known but the initial state.
+    fn nothing(&self, reason: Incomplete) -> Found {
+        Found {
+            properties: judge::unknown(self),
+            states: 1,
+            transitions: 1,
+            excluded: 0,
+            depth: 0,
+            memory: 0,
+            incomplete: Some(reason),
+            has_initial: true,
+        }
+    }
+
+    fn system(&self) -> SingleMachine<'_> {
+        SingleMachine {
+            machine: self.machine.clone(),
+            ranges: self.ranges,
+        }
+    }
+
+    /// Describes the reason for which a specification has no representation.
+    fn explain(&self, error: SymbolicError) -> Report {
+        let Some(known) = self.known.first() else {
+            return Report::new();
+        };
+        let specification = &known.specification;
+        let (origin, construct) = match error {
+            SymbolicError::Unsupported { origin, construct } => (origin, construct),
+            SymbolicError::Input { origin, function } => {
+                let names = &self.machine.program().symbols.functions;
+                let name = names.get(function.0 as usize);
+                let name = name.map_or_else(String::new, ToString::to_string);
+                let finding = InputWithoutRange {
+                    location: name.clone(),
+                    function: name,
+                    at: specification.span(origin),
+                };
+                return report_of(finding.diagnostic());
+            }
+            SymbolicError::Memory => {
+                let construct = "a specification that needs more memory than `--memory`";
+                (Default::default(), construct.to_owned())
+            }
+            SymbolicError::Stopped => (Default::default(), "the rest".to_owned()),
+        };
+        let at = if origin == Default::default() {
+            main_rule(specification)
+        } else {
+            specification.span(origin)
+        };
+        report_of(NotSymbolic { construct, at }.diagnostic())
+    }
+}
+
+/// The refusal of a verification that needs something that diagrams do not represent.
+pub(crate) fn refuse(specification: &Specification, construct: &str) -> Report {
+    let finding = NotSymbolic {
+        construct: construct.to_owned(),
+        at: main_rule(specification),
+    };
+    report_of(finding.diagnostic())
+}
+
+impl From<SearchLimit> for Incomplete {
+    fn from(limit: SearchLimit) -> Self {
+        match limit {
+            SearchLimit::States => Self::States,
+            SearchLimit::Depth => Self::Depth,
+            SearchLimit::Memory => Self::Memory,
+            SearchLimit::Stopped => Self::Stopped,
+        }
+    }
+}
