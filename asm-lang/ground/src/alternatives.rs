@@ -6,7 +6,7 @@ use asmotion_value::Value;
 
 /// A decision of an alternative.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ChosenCandidate {
+pub struct GroundChoice {
     /// Place of the `choose`.
     pub origin: Origin,
     /// Values of the chosen variables.
@@ -17,7 +17,7 @@ pub struct ChosenCandidate {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundAlternative {
     /// The choices, in the order in which they are made.
-    pub choices: Vec<ChosenCandidate>,
+    pub choices: Vec<GroundChoice>,
     /// The alternative exists where all guards are true, each evaluated only if those before it are true. Undef is a fault.
     pub guards: Vec<GroundTerm>,
     /// What it does; contains no `choose`.
@@ -85,7 +85,7 @@ fn split(rule: &GroundRule, limit: usize) -> Option<Vec<GroundAlternative>> {
                 }
                 let mut inner = under(guard, split(rule, limit)?);
                 for alternative in &mut inner {
-                    let choice = ChosenCandidate {
+                    let choice = GroundChoice {
                         origin: *origin,
                         chosen: chosen.clone(),
                     };

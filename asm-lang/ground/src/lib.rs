@@ -22,7 +22,7 @@ mod substitute;
 mod term;
 mod visit;
 
-pub use alternatives::{ChosenCandidate, GroundAlternative};
+pub use alternatives::{GroundAlternative, GroundChoice};
 pub use evaluate::{GroundUpdates, Valuation, evaluate, execute};
 pub use grounding::{GroundingContext, TooLarge, ground};
 pub use program::*;

@@ -11,7 +11,7 @@
 )]
 
 use asmotion_lang::MemoryFiles;
-use asmotion_verify::{Options, verify};
+use asmotion_verify::{FairName, Options, verify};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -69,14 +69,23 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 }
 
 /// Verifies one model; prints states, transitions, packed bytes and the greatest memory of the process in KiB.
-fn child(model: &Path, invariant: &str) {
+fn child(model: &Path, property: &str, fair: &[String]) {
     let mut files = MemoryFiles::new();
-    files.add("model.asm", &*std::fs::read_to_string(model).unwrap());
+    let text = std::fs::read_to_string(model).unwrap();
+    let imports = "import StandardLibrary\nimport LTLLibrary";
+    files.add("model.asm", text.replace("import StandardLibrary", imports));
     let Ok(specification) = asmotion_lang::open("model.asm", &files) else {
         return;
     };
     let options = Options {
-        properties: vec![invariant.to_owned()],
+        properties: vec![property.to_owned()],
+        fairness: fair
+            .iter()
+            .map(|name| FairName {
+                name: name.clone(),
+                is_strong: false,
+            })
+            .collect(),
         ..Options::default()
     };
     let Ok(found) = verify(specification, &options, &mut |_| true) else {
@@ -99,7 +108,7 @@ fn child(model: &Path, invariant: &str) {
 }
 
 /// Compiles a verifier with Spin; `None` if Spin or a C compiler is missing.
-fn spin(model: &Path, folder: &Path) -> Option<PathBuf> {
+fn spin(model: &Path, folder: &Path, flags: &[&str]) -> Option<PathBuf> {
     std::fs::create_dir_all(folder).ok()?;
     let run = |program: &str, arguments: &[&str]| {
         let done = Command::new(program)
@@ -112,16 +121,7 @@ fn spin(model: &Path, folder: &Path) -> Option<PathBuf> {
     let is_made = run("spin", &["-a", model.to_str()?])
         && run(
             "cc",
-            &[
-                "-O3",
-                "-DSAFETY",
-                "-DNOREDUCE",
-                "-DBFS",
-                "-w",
-                "-o",
-                "pan",
-                "pan.c",
-            ],
+            &[flags, &["-O3", "-DNOREDUCE", "-w", "-o", "pan", "pan.c"]].concat(),
         );
     is_made.then_some(pan)
 }
@@ -133,12 +133,43 @@ fn before(output: &str, text: &str) -> f64 {
     word.and_then(|word| word.parse().ok()).unwrap_or(f64::NAN)
 }
 
+/// Peterson's lock for five processes under weak fairness of each of them: the first one enters again and again.
+fn liveness(models: &Path, own: &Path, scratch: &Path) {
+    let folder = scratch.join("live");
+    let text = std::fs::read_to_string(models.join("spin/pet.pml")).unwrap();
+    let labelled = text.replacen("atomic {", "cs: atomic {", 1) + "\nltl live { []<> (P[0]@cs) }\n";
+    std::fs::create_dir_all(&folder).unwrap();
+    let model = folder.join("live.pml");
+    std::fs::write(&model, labelled).unwrap();
+    let pan = spin(&model, &folder, &[]);
+    let file = models.join("pet.asm");
+    let arguments = ["--model", file.to_str().unwrap(), "g(f(pc(0) = 4))", "Pid"];
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let (seconds, output) = timed(models, own, &arguments);
+        assert!(output.trim_end().ends_with("true"), "{output}");
+        ours.push(seconds);
+        if let Some(pan) = &pan {
+            let (seconds, output) = timed(&folder, pan, &["-a", "-f", "-m1000000"]);
+            assert!(output.contains("errors: 0"), "{output}");
+            theirs.push(seconds);
+        }
+    }
+    let ratios = theirs.iter().zip(&ours).map(|(theirs, ours)| theirs / ours);
+    println!(
+        "pet, liveness: {:.3} CPU s, Spin -a -f {:.3}, ratio {:.2}",
+        median(ours.clone()),
+        median(theirs.clone()),
+        median(ratios.collect())
+    );
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
-    if let [_, flag, model, invariant] = arguments.as_slice()
+    if let [_, flag, model, property, fair @ ..] = arguments.as_slice()
         && flag == "--model"
     {
-        return child(Path::new(model), invariant);
+        return child(Path::new(model), property, fair);
     }
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/verify");
     if !models.exists() {
@@ -166,6 +197,7 @@ fn main() {
         let pan = spin(
             &models.join(format!("spin/{model}.pml")),
             &scratch.join(model),
+            &["-DSAFETY", "-DBFS"],
         );
         let (mut ours, mut theirs, mut ratio) = (Vec::new(), Vec::new(), Vec::new());
         let mut last = String::new();
@@ -201,6 +233,7 @@ fn main() {
         );
         ratios.extend(pan.map(|_| median(ratio)));
     }
+    liveness(&models, &own, &scratch);
     if ratios.is_empty() {
         println!(
             "*** SKIPPED: the comparison needs Spin and a C compiler (Debian: apt-get install spin gcc)"

@@ -69,6 +69,30 @@ impl FairMoves {
         self.moves.iter().any(is_agent)
     }
 
+    /// Returns what a step of the first machine moves that takes these candidates, given by the places of their rules and their
+    /// values, and increments these coverage counters, if it changes the state.
+    pub fn of_step<'c>(
+        &self,
+        candidates: impl Iterator<Item = (Origin, &'c [Value])> + Clone,
+        counters: &[u32],
+    ) -> MovedSet {
+        let mut set = 0;
+        for (index, fair) in self.moves.iter().enumerate() {
+            let has_moved = match &fair.moved_by {
+                MovedBy::Rule(own) => own.iter().any(|counter| counters.contains(counter)),
+                MovedBy::Agent(agent, places) => {
+                    let mut all = candidates.clone();
+                    all.any(|(origin, values)| {
+                        let at = places.get(&origin);
+                        at.and_then(|at| values.get(*at)) == Some(agent)
+                    })
+                }
+            };
+            set |= MovedSet::from(has_moved) << (LABEL_BITS + index);
+        }
+        set
+    }
+
     /// Notes the counts before a step.
     pub fn before<S: TransitionSystem>(&self, system: &S, counts: &mut CountsBefore) {
         counts.0.clear();

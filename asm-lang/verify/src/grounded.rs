@@ -9,6 +9,7 @@ mod run;
 mod store;
 
 use crate::explore::{Conditions, Exploration, ExplorationError, Limits, Progress};
+use crate::fair_moves::FairMoves;
 use crate::inputs::InputRanges;
 use crate::transition::TransitionSystem;
 use asmotion_ground::{
@@ -89,6 +90,7 @@ pub(crate) fn explore<S: TransitionSystem>(
     conditions: &Conditions,
     limits: Limits,
     keeps_edges: bool,
+    fair: &FairMoves,
     proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Option<Exploration>, ExplorationError> {
     let Some((machine, ranges)) = system.single() else {
@@ -97,6 +99,9 @@ pub(crate) fn explore<S: TransitionSystem>(
     let Some(mut grounded) = Grounded::of(machine, ranges, conditions) else {
         return Ok(None);
     };
+    if !fair.is_empty() && matches!(grounded.step, GroundedStep::Rule) {
+        return Ok(None);
+    }
     for _ in 0..MAX_ATTEMPTS {
         let Some(layout) = WordLayout::of(&grounded.program) else {
             return Ok(None);
@@ -107,6 +112,7 @@ pub(crate) fn explore<S: TransitionSystem>(
             conditions,
             limits,
             keeps_edges,
+            fair,
         };
         let stopped = match layout.words {
             1 => GroundedRun::<1>::explore(machine, ranges, &request, proceed),

@@ -310,8 +310,9 @@ impl Exploring<'_> {
         let keeps_edges = self.properties.needs_graph();
         // advice counts every branch, which grounded steps do not have
         let is_groundable = !self.options.without_grounding && !self.options.advice;
-        if is_groundable && self.fair.is_empty() {
-            let grounded = grounded::explore(system, conditions, limits, keeps_edges, proceed)?;
+        if is_groundable {
+            let grounded =
+                grounded::explore(system, conditions, limits, keeps_edges, self.fair, proceed)?;
             if let Some(exploration) = grounded {
                 return Ok(exploration);
             }

@@ -103,6 +103,56 @@ fn random_specifications_without_inputs_have_the_results_of_machines() {
     assert!(grounded > 250, "{grounded}");
 }
 
+/// Agents that work, of which each may rest for ever unless it is fair.
+const AGENTS: &str = "asm model
+import StandardLibrary
+import CTLLibrary
+signature:
+  domain Worker subsetof Integer
+  domain Count subsetof Integer
+  controlled work: Worker -> Count
+  controlled turn: Worker
+definitions:
+  domain Worker = {1 : 3}
+  domain Count = {0 : 3}
+  rule r_work($a in Worker) = if work($a) < 3 then work($a) := work($a) + 1 else work($a) := 0 endif
+  rule r_pass = turn := (turn mod 3) + 1
+  CTLSPEC ag(af(work(1) = 3))
+  CTLSPEC ag(af(work(2) = 0))
+  CTLSPEC ag(af(turn = 2))
+  main rule r_Main = choose $a in Worker with turn = $a or $a = 1 do par r_work[$a] if work($a) = 2 then r_pass[] endif endpar
+default init s0:
+  function work($a in Worker) = 0
+  function turn = 1
+";
+
+#[test]
+fn fairness_of_agents_and_rules_has_the_results_of_machines() {
+    let mut verdicts = std::collections::BTreeSet::new();
+    for (names, is_strong) in [
+        (&[][..], false),
+        (&["Worker"], false),
+        (&["Worker"], true),
+        (&["r_pass"], true),
+        (&["Worker", "r_pass"], true),
+    ] {
+        let fairness = names.iter().map(|name| asmotion_verify::FairName {
+            name: (*name).to_owned(),
+            is_strong,
+        });
+        let options = Options {
+            fairness: fairness.collect(),
+            ..Options::default()
+        };
+        let found = compared(&format!("{names:?} {is_strong}"), || open(AGENTS), &options).unwrap();
+        assert!(found.is_grounded, "{names:?}");
+        let held = found.properties.iter().map(|it| it.verdict.holds());
+        verdicts.insert(held.collect::<Vec<bool>>());
+    }
+    // fairness makes a difference
+    assert!(verdicts.len() > 1, "{verdicts:?}");
+}
+
 /// The specifications below a folder.
 fn specifications(folder: &std::path::Path, found: &mut Vec<std::path::PathBuf>) {
     let Ok(entries) = std::fs::read_dir(folder) else {

@@ -2,6 +2,7 @@
 
 use super::case::{Case, Closed, Conjunction, Division, NoCases};
 use super::layout::{Field, WordLayout, Words};
+use crate::fair_moves::{FairMoves, MovedSet};
 use asmotion_ground::{
     FAULT, GroundAlternative, GroundProgram, GroundTerm, Permitted, UNDEF, evaluate,
 };
@@ -151,6 +152,8 @@ pub(crate) struct Command<const W: usize> {
     pub has_updates: bool,
     /// Coverage counters that it executes.
     pub counters: Box<[u32]>,
+    /// What it moves if it changes the state.
+    pub moved: MovedSet,
 }
 
 impl<const W: usize> Command<W> {
@@ -239,6 +242,7 @@ impl<const W: usize> Command<W> {
             needs_machine,
             has_updates: !case.updates.is_empty() || case.needs_machine,
             counters: case.counters.clone().into(),
+            moved: 0,
         }
     }
 
@@ -311,6 +315,7 @@ impl<const W: usize> StepCode<W> {
         program: &GroundProgram,
         layout: &WordLayout,
         alternatives: &[GroundAlternative],
+        fair: &FairMoves,
     ) -> Self {
         let division = Division { layout };
         let mut code = Self {
@@ -322,7 +327,10 @@ impl<const W: usize> StepCode<W> {
             match division.cases(&alternative.guards, &alternative.rule) {
                 Ok(cases) => {
                     for case in cases {
-                        let command = Command::of(program, &division, &case);
+                        let mut command = Command::of(program, &division, &case);
+                        let chosen = alternative.choices.iter();
+                        let chosen = chosen.map(|choice| (choice.origin, &*choice.chosen));
+                        command.moved = fair.of_step(chosen, &case.counters);
                         if command.has_updates {
                             code.commands.push(command);
                         } else {

@@ -10,12 +10,14 @@ use crate::explore::{
     Conditions, Exploration, ExplorationError, Incomplete, Limits, NO_PARENT, Progress, Reached,
     Truths, WordStates,
 };
+use crate::fair_moves::{FairMoves, MovedSet};
 use crate::inputs::InputRanges;
 use asmotion_ground::{
     FAULT, GroundAlternative, GroundProgram, GroundRule, GroundUpdates, Valuation, evaluate,
     execute,
 };
 use asmotion_lang::{Machine, Value};
+use std::collections::HashMap;
 use std::fmt;
 
 /// What to explore, and how far.
@@ -25,6 +27,7 @@ pub(crate) struct RunRequest<'a> {
     pub conditions: &'a Conditions,
     pub limits: Limits,
     pub keeps_edges: bool,
+    pub fair: &'a FairMoves,
 }
 
 /// The reason for which an exploration has no result.
@@ -50,6 +53,8 @@ impl From<NotWords> for StoppedRun {
 /// The successors of a state.
 struct Successors<const W: usize> {
     states: Vec<HashedState<W>>,
+    /// What the step to each state moves, if fairness refers to it.
+    moved: Vec<MovedSet>,
     /// Number of executions that update a location.
     updating: u64,
     /// `true` if an execution updates nothing, as far as this is examined.
@@ -98,7 +103,11 @@ pub(crate) struct GroundedRun<'a, const W: usize> {
     successors: Successors<W>,
     updates: GroundUpdates,
     numbers: Vec<i64>,
-    edges: Vec<u32>,
+    edges: Vec<(u32, u32)>,
+    /// `true` if fairness refers to the labels of transitions.
+    has_labels: bool,
+    /// Indices of the sets in `moved_sets`.
+    known_labels: HashMap<MovedSet, u32>,
     decisions: Decisions,
     read: Vec<(u32, i64)>,
 }
@@ -120,7 +129,10 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             GroundedStep::Alternatives(alternatives) => alternatives.as_slice(),
             GroundedStep::Rule => &[],
         };
-        let code = StepCode::of(program, request.layout, alternatives);
+        let code = StepCode::of(program, request.layout, alternatives, request.fair);
+        if !request.fair.is_empty() && !code.interpreted.is_empty() {
+            return Err(StoppedRun::NotGrounded);
+        }
         let conditions = conditions.iter();
         let conditions = conditions.map(|term| CompiledCondition::of(request.layout, term));
         let conditions: Vec<CompiledCondition<W>> = conditions.collect();
@@ -141,6 +153,7 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             },
             successors: Successors {
                 states: Vec::new(),
+                moved: Vec::new(),
                 updating: 0,
                 is_idle: false,
             },
@@ -150,6 +163,8 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             },
             numbers: Vec::new(),
             edges: Vec::new(),
+            has_labels: request.keeps_edges && !request.fair.is_empty(),
+            known_labels: HashMap::new(),
             decisions: Decisions::default(),
             read: Vec::new(),
         };
@@ -212,6 +227,7 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             return Ok(());
         };
         self.successors.states.clear();
+        self.successors.moved.clear();
         self.successors.updating = 0;
         self.successors.is_idle = false;
         let has_failed = match self.grounded_steps(&state) {
@@ -219,6 +235,8 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             Err(NoSuccessor::Wider(variable, number)) => {
                 return Err(StoppedRun::Wider(variable, number));
             }
+            // the label of a machine's step is not known
+            Err(NoSuccessor::Machine) if self.has_labels => return Err(StoppedRun::NotGrounded),
             Err(NoSuccessor::Machine) => self.machine_steps(node, &state)?,
         };
         self.found.transitions += self.successors.updating;
@@ -238,22 +256,42 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             if let Some(number) = self.arrive(next, Some((node, &state)))?
                 && self.found.keeps_edges
             {
-                self.edges.push(number);
+                let moved = self.successors.moved.get(index).copied().unwrap_or(0);
+                let label = self.label(moved);
+                self.edges.push((number, label));
             }
         }
         if self.found.keeps_edges {
             if self.successors.is_idle {
-                self.edges.push(node);
+                let label = self.label(0);
+                self.edges.push((node, label));
             }
             self.edges.sort_unstable();
             self.edges.dedup();
-            self.found.targets.extend_from_slice(&self.edges);
+            let targets = self.edges.iter().map(|(target, _)| target);
+            self.found.targets.extend(targets);
+            if self.has_labels {
+                let labels = self.edges.iter().map(|(_, label)| label);
+                self.found.labels.extend(labels);
+            }
             self.found.edge_ends.push(self.found.targets.len() as u64);
         }
         if rests {
             self.found.stuck.push(node);
         }
         Ok(())
+    }
+
+    /// Returns the label of steps that move this.
+    fn label(&mut self, moved: MovedSet) -> u32 {
+        if !self.has_labels {
+            return 0;
+        }
+        let sets = &mut self.found.moved_sets;
+        *self.known_labels.entry(moved).or_insert_with(|| {
+            sets.push(moved);
+            sets.len() as u32 - 1
+        })
     }
 
     /// Adds a state and evaluates the conditions in it if it is new. Returns its number, `None` if no number is left.
@@ -404,6 +442,10 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             let next = command.next(layout, state)?;
             self.successors.states.push(HashedState::of(next));
             self.successors.updating += 1;
+            if self.has_labels {
+                let moved = if next == *state { 0 } else { command.moved };
+                self.successors.moved.push(moved);
+            }
             if let Some(executed) = self.executed.get_mut(index) {
                 *executed = true;
             }
