@@ -51,7 +51,7 @@ pub use misfit::DomainMisfit;
 pub use naming::Naming;
 pub use out_of_domain::ForeignProgram;
 pub use packed::PackedState;
-pub use record::{ChosenCandidate, StepChoice, StepInput};
+pub use record::{StepChoice, StepInput, TakenCandidate};
 pub use run::code::{NativeCompiler, NoNativeCode};
 pub use snapshot::{ForeignSnapshot, Snapshot, pack_value};
 pub use state::MachineState;

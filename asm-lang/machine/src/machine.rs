@@ -7,7 +7,7 @@ use crate::environment::Environment;
 use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
-use crate::record::{ChosenCandidate, StepChoice, StepInput, StepLog};
+use crate::record::{StepChoice, StepInput, StepLog, TakenCandidate};
 use crate::run::code::{CompiledProgram, NativeCompiler};
 use crate::run::{RuleStopped, StepContext};
 use crate::scalar_updates;
@@ -42,7 +42,7 @@ impl<'a> Step<'a> {
     }
 
     /// Returns the candidates that `choose` rules took, in order, after [`Machine::keep_candidates`]; otherwise none.
-    pub fn candidates(self) -> &'a [ChosenCandidate] {
+    pub fn candidates(self) -> &'a [TakenCandidate] {
         &self.machine.scratch.record.candidates
     }
 

@@ -27,7 +27,7 @@ pub struct StepChoice {
 
 /// The candidate that a `choose` rule took in a step.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChosenCandidate {
+pub struct TakenCandidate {
     /// Index of the choice among those of the step, from 0; `None` if the choice was not recorded, because there was only
     /// one way to make it.
     pub choice: Option<usize>,
@@ -45,7 +45,7 @@ pub(crate) struct StepLog {
     /// `true` to keep the chosen candidates.
     pub keeps_candidates: bool,
     /// The chosen candidates of `choose` rules, if they are kept, in order of choosing.
-    pub candidates: Vec<ChosenCandidate>,
+    pub candidates: Vec<TakenCandidate>,
     /// Values picked from outside, with the place of the variable's range.
     pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,

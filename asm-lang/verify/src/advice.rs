@@ -21,7 +21,7 @@ const MAX_DOMAIN: usize = 64;
 
 /// A remark on a part of a specification.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Advice {
+pub struct SpecificationAdvice {
     /// Index of the machine.
     pub machine: usize,
     /// Place of the part.
@@ -51,10 +51,10 @@ pub(crate) fn advice<S: TransitionSystem>(
     system: &S,
     exploration: &Exploration,
     machines: &[VerifiedMachine],
-) -> (Vec<Advice>, bool) {
+) -> (Vec<SpecificationAdvice>, bool) {
     let mut all = Vec::new();
     for (index, (known, machine)) in machines.iter().zip(system.machines()).enumerate() {
-        let adviser = Adviser {
+        let adviser = MachineAdviser {
             index,
             known,
             machine,
@@ -62,10 +62,10 @@ pub(crate) fn advice<S: TransitionSystem>(
         let counts = exploration.counts.get(index).map(Vec::as_slice);
         all.extend(adviser.branches(counts.unwrap_or_default()));
     }
-    let values = Values::of(system, exploration);
+    let values = OccurringValues::of(system, exploration);
     let steps = ExaminedSteps::of(system, exploration);
     for (index, (known, machine)) in machines.iter().zip(system.machines()).enumerate() {
-        let adviser = Adviser {
+        let adviser = MachineAdviser {
             index,
             known,
             machine,
@@ -82,9 +82,9 @@ pub(crate) fn advice<S: TransitionSystem>(
 }
 
 /// The values that the locations of functions have, with the machine.
-struct Values(BTreeMap<(usize, FunctionId), BTreeSet<Value>>);
+struct OccurringValues(BTreeMap<(usize, FunctionId), BTreeSet<Value>>);
 
-impl Values {
+impl OccurringValues {
     fn of<S: TransitionSystem>(system: &S, exploration: &Exploration) -> Self {
         let mut system = system.clone();
         let mut found: BTreeMap<(usize, FunctionId), BTreeSet<Value>> = BTreeMap::new();
@@ -167,15 +167,15 @@ impl ExaminedSteps {
 }
 
 /// Gives advice about one machine.
-struct Adviser<'a> {
+struct MachineAdviser<'a> {
     index: usize,
     known: &'a VerifiedMachine,
     machine: &'a Machine,
 }
 
-impl Adviser<'_> {
-    fn advise(&self, kind: AdviceKind, place: Span, text: String) -> Advice {
-        Advice {
+impl MachineAdviser<'_> {
+    fn advise(&self, kind: AdviceKind, place: Span, text: String) -> SpecificationAdvice {
+        SpecificationAdvice {
             machine: self.index,
             place,
             kind,
@@ -184,7 +184,7 @@ impl Adviser<'_> {
     }
 
     /// Branches that are never taken, of rules that are executed.
-    fn branches(&self, counts: &[u64]) -> Vec<Advice> {
+    fn branches(&self, counts: &[u64]) -> Vec<SpecificationAdvice> {
         let specification = &self.known.specification;
         let mut ran: BTreeMap<(Span, CoveragePoint), u64> = BTreeMap::new();
         for (counted, count) in specification.program.counted.iter().zip(counts) {
@@ -203,7 +203,7 @@ impl Adviser<'_> {
         all
     }
 
-    fn branch(&self, span: Span, part: CoveragePoint) -> Option<Advice> {
+    fn branch(&self, span: Span, part: CoveragePoint) -> Option<SpecificationAdvice> {
         let specification = &self.known.specification;
         let text = |span| on_one_line(specification, span);
         let (rule, _) = rule_with(specification, span, &|kind| {
@@ -241,7 +241,7 @@ impl Adviser<'_> {
     }
 
     /// Values that no location of an updated function has.
-    fn values(&self, values: &Values) -> Vec<Advice> {
+    fn values(&self, values: &OccurringValues) -> Vec<SpecificationAdvice> {
         let specification = &self.known.specification;
         let program = self.machine.program();
         let naming = self.machine.naming();
@@ -268,7 +268,7 @@ impl Adviser<'_> {
     }
 
     /// Updates that never change anything.
-    fn updates(&self, steps: &ExaminedSteps) -> Vec<Advice> {
+    fn updates(&self, steps: &ExaminedSteps) -> Vec<SpecificationAdvice> {
         let specification = &self.known.specification;
         let updates = steps.updates.iter();
         let mut places: BTreeMap<Span, bool> = BTreeMap::new();
@@ -290,7 +290,7 @@ impl Adviser<'_> {
     }
 
     /// Inputs that nothing reads.
-    fn inputs(&self, steps: &ExaminedSteps) -> Vec<Advice> {
+    fn inputs(&self, steps: &ExaminedSteps) -> Vec<SpecificationAdvice> {
         let functions = self.known.specification.model.own_functions();
         let unread = functions.filter(|(id, function)| {
             function.kind == FunctionKind::Monitored

@@ -2,9 +2,9 @@
 
 use crate::decisions::{Decision, Decisions};
 use crate::explore::Exploration;
+use crate::exported_value::ExportedValue;
 use crate::fair_moves::{CountsBefore, FairMoves, MovedSet};
 use crate::guards::{RunGuard, chosen_variables, guards_of};
-use crate::named_value::NamedValue;
 use crate::system::VerifiedMachine;
 use crate::transition::{MachineFault, TransitionSystem};
 use asmotion_diagnostics::{Diagnostic, Span};
@@ -39,9 +39,9 @@ pub struct LocationValue {
     /// Name of the function; in a system of several machines with that of the machine, as in `courier.mode`.
     pub function: String,
     /// Arguments of the location.
-    pub arguments: Vec<NamedValue>,
+    pub arguments: Vec<ExportedValue>,
     /// Value of the location.
-    pub value: NamedValue,
+    pub value: ExportedValue,
 }
 
 /// A step of a run.
@@ -385,7 +385,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
             let mut locations = Vec::new();
             for slot in state.slots().filter(|slot| is_shown(machine, *slot)) {
                 if let Some((function, arguments)) = state.location(program, slot) {
-                    let named = |value: &Value| NamedValue::of(value, &naming);
+                    let named = |value: &Value| ExportedValue::of(value, &naming);
                     let symbols = &program.symbols.functions;
                     let name = symbols.get(function.0 as usize);
                     let name = name.map_or_else(String::new, ToString::to_string);

@@ -45,11 +45,11 @@ pub(crate) fn guards_of(
         if next == span {
             continue;
         }
-        let has_guard = |kind: &RuleKind| Guard::term_of(kind).is_some();
+        let has_guard = |kind: &RuleKind| GuardTerm::term_of(kind).is_some();
         let Some((rule, _)) = rule_with(specification, span, &has_guard) else {
             continue;
         };
-        let found = Guard::of(rule, next);
+        let found = GuardTerm::of(rule, next);
         guards.extend(found.map(|guard| guard.shown(specification, entry, show)));
     }
     guards
@@ -92,13 +92,13 @@ pub(crate) fn chosen_variables(specification: &Specification, place: Span) -> Ve
 }
 
 /// A guard, with the case for a `switch`.
-struct Guard<'a> {
+struct GuardTerm<'a> {
     term: &'a Term,
     case: Option<Span>,
     holds: bool,
 }
 
-impl<'a> Guard<'a> {
+impl<'a> GuardTerm<'a> {
     /// Returns the guard of a rule, or the subject of a `switch`.
     fn term_of(kind: &RuleKind) -> Option<&Term> {
         match kind {

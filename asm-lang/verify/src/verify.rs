@@ -1,6 +1,6 @@
 //! The verification of a specification: preparation, exploration, verdicts.
 
-use crate::advice::{Advice, advice};
+use crate::advice::{SpecificationAdvice, advice};
 use crate::codes::m001::InputWithoutRange;
 use crate::codes::m002::TooManyAlternatives;
 use crate::codes::m006::NothingAssumed;
@@ -53,7 +53,7 @@ pub struct Verification {
     /// Memory in use for states and transitions at the end of the exploration, in bytes.
     pub memory: u64,
     /// Advice about the specifications, if it was requested and all states were explored.
-    pub advice: Vec<Advice>,
+    pub advice: Vec<SpecificationAdvice>,
     /// `false` if there were too many steps for advice about updates and inputs.
     pub has_advice_on_steps: bool,
 }

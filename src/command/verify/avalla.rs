@@ -15,7 +15,7 @@ pub fn scenario(
     specification: &Specification,
     (path, spec): (&Path, &Path),
 ) -> String {
-    let mut scenario = Scenario::default();
+    let mut scenario = ScenarioLines::default();
     let verdict = if property.verdict.is_violated() {
         "violates"
     } else {
@@ -54,13 +54,13 @@ pub fn scenario(
 }
 
 #[derive(Default)]
-struct Scenario {
+struct ScenarioLines {
     text: String,
     /// Inputs as set by the scenario so far.
     inputs: BTreeMap<String, String>,
 }
 
-impl Scenario {
+impl ScenarioLines {
     fn step(&mut self, step: &RunStep, specification: &Specification) {
         self.set(&step.inputs);
         for choice in &step.choices {

@@ -5,7 +5,9 @@
 
 use super::words::{heading, place_text};
 use asmotion_lang::Specification;
-use asmotion_verify::{CheckedProperty, LocationValue, NamedValue, Run, RunStep, VerifiedMachine};
+use asmotion_verify::{
+    CheckedProperty, ExportedValue, LocationValue, Run, RunStep, VerifiedMachine,
+};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -112,24 +114,24 @@ fn updates_of(step: &RunStep, specification: &Specification) -> Vec<Value> {
 }
 
 /// Several arguments are a tuple.
-fn key(arguments: &[NamedValue]) -> Value {
+fn key(arguments: &[ExportedValue]) -> Value {
     match arguments {
         [argument] => value(argument),
         several => json!({ "#tup": several.iter().map(value).collect::<Vec<Value>>() }),
     }
 }
 
-fn value(named: &NamedValue) -> Value {
-    let list = |items: &[NamedValue]| items.iter().map(value).collect::<Vec<Value>>();
+fn value(named: &ExportedValue) -> Value {
+    let list = |items: &[ExportedValue]| items.iter().map(value).collect::<Vec<Value>>();
     match named {
-        NamedValue::Undef => json!("undef"),
-        NamedValue::Bool(truth) => json!(truth),
-        NamedValue::Int(number) => json!({ "#bigint": number.to_string() }),
-        NamedValue::Text(text) => json!(text),
-        NamedValue::Tuple(items) => json!({ "#tup": list(items) }),
-        NamedValue::List(items) => json!(list(items)),
-        NamedValue::Set(items) => json!({ "#set": list(items) }),
-        NamedValue::Map(pairs) => {
+        ExportedValue::Undef => json!("undef"),
+        ExportedValue::Bool(truth) => json!(truth),
+        ExportedValue::Int(number) => json!({ "#bigint": number.to_string() }),
+        ExportedValue::Text(text) => json!(text),
+        ExportedValue::Tuple(items) => json!({ "#tup": list(items) }),
+        ExportedValue::List(items) => json!(list(items)),
+        ExportedValue::Set(items) => json!({ "#set": list(items) }),
+        ExportedValue::Map(pairs) => {
             let pairs = pairs.iter().map(|(key, it)| json!([value(key), value(it)]));
             json!({ "#map": pairs.collect::<Vec<Value>>() })
         }

@@ -6,7 +6,7 @@ use super::pick::Candidates;
 use super::range::Ranges;
 use crate::fault::FaultKind;
 use crate::messages::PerformedAction;
-use crate::record::{ChosenCandidate, StepChoice};
+use crate::record::{StepChoice, TakenCandidate};
 use crate::run::code::RuleCode;
 use crate::run::{CodomainCheck, KleeneTruth, RuleStopped, StepContext};
 use asmotion_ir::{AssignTarget, Endless, Local, Origin, RoutineId, Rule, RuleNode, Term};
@@ -386,7 +386,7 @@ impl Compiler<'_> {
                         .iter()
                         .map(|(local, ..)| run.local(*local).clone());
                     let values = values.collect();
-                    run.record.candidates.push(ChosenCandidate {
+                    run.record.candidates.push(TakenCandidate {
                         choice,
                         origin,
                         values,

@@ -5,7 +5,7 @@ use asmotion_lang::machine::Naming;
 
 /// A value whose elements of enumerations and abstract domains are given by name.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NamedValue {
+pub enum ExportedValue {
     /// The undefined value.
     Undef,
     /// A truth value.
@@ -15,16 +15,16 @@ pub enum NamedValue {
     /// A string, a character, the name of an element or rule, or a real or complex number.
     Text(String),
     /// A tuple.
-    Tuple(Vec<NamedValue>),
+    Tuple(Vec<ExportedValue>),
     /// A sequence.
-    List(Vec<NamedValue>),
+    List(Vec<ExportedValue>),
     /// A set.
-    Set(Vec<NamedValue>),
+    Set(Vec<ExportedValue>),
     /// A map, or a bag as a map from its elements to their multiplicities.
-    Map(Vec<(NamedValue, NamedValue)>),
+    Map(Vec<(ExportedValue, ExportedValue)>),
 }
 
-impl NamedValue {
+impl ExportedValue {
     pub(crate) fn of(value: &Value, naming: &Naming<'_>) -> Self {
         let list = |items: &[Value]| items.iter().map(|it| Self::of(it, naming)).collect();
         match value {
