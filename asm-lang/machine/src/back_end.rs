@@ -13,6 +13,7 @@
 //! therefore contains no unsafe code for the back end; the back end's guarantees are stated next to
 //! its own unsafe code.
 
+pub use crate::choose::Choosing;
 pub use crate::compile::Compiler;
 pub use crate::direct::{DirectResult, DirectRule, DirectStep};
 pub use crate::limits::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
@@ -22,7 +23,6 @@ pub use crate::run::code::{
 pub use crate::run::{KleeneTruth, RuleStopped, StepContext, on_enough_stack};
 pub use crate::updates::{CoveredMark, Mark, SavedValue, UpdateLists};
 
-use crate::choose::Chooser;
 use crate::fault::FaultKind;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
@@ -37,28 +37,6 @@ pub enum BackEnd {
     Closures,
     /// Native code from the first step on, as far as it is supported.
     Native,
-}
-
-/// The way in which the value of a variable of `choose` is determined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choosing {
-    /// The chooser selects a candidate by its index.
-    ByNumber,
-    /// The first candidate is taken, and no choice is recorded.
-    First,
-    /// The value was picked from outside.
-    Picked,
-}
-
-impl Choosing {
-    /// Asks a chooser how it chooses the value of a variable with this range.
-    pub(crate) fn by(chooser: &dyn Chooser, range: Origin) -> Self {
-        match chooser.picked(range) {
-            Some(_) => Self::Picked,
-            None if chooser.takes_first() => Self::First,
-            None => Self::ByNumber,
-        }
-    }
 }
 
 impl StepContext<'_> {

@@ -36,3 +36,25 @@ impl Chooser for FirstChoice {
         true
     }
 }
+
+/// The way in which the value of a variable of `choose` is determined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choosing {
+    /// The chooser selects a candidate by its index.
+    ByNumber,
+    /// The first candidate is taken, and no choice is recorded.
+    First,
+    /// The value was picked from outside.
+    Picked,
+}
+
+impl Choosing {
+    /// Asks a chooser how it chooses the value of a variable with this range.
+    pub(crate) fn by(chooser: &dyn Chooser, range: Origin) -> Self {
+        match chooser.picked(range) {
+            Some(_) => Self::Picked,
+            None if chooser.takes_first() => Self::First,
+            None => Self::ByNumber,
+        }
+    }
+}

@@ -5,8 +5,7 @@
 //! update set. Choices are an exception, because the chooser is asked only once for each: the second evaluation repeats
 //! those already made.
 
-use crate::back_end::Choosing;
-use crate::choose::Chooser;
+use crate::choose::{Chooser, Choosing};
 use crate::record::{StepChoice, StepLog};
 use crate::updates::{UpdateLists, Updates};
 use asmotion_ir::Origin;

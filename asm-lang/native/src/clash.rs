@@ -4,14 +4,12 @@
 //! locations if an argument differs: two constants, or two sums of the same variable and different constants. Executions in
 //! different iterations of a `forall` differ if an argument is the variable of the loop plus the same constant in both.
 
+use crate::limits::{MAX_INLINED, MAX_RULES};
 use asmotion_ir::{
     Arithmetic, AssignTarget, AxisRange, Binder, BinderRange, DomainElements, FunctionId, Program,
     RoutineId, Rule, RuleNode, Slot, Storage, Term, TermNode,
 };
 use asmotion_value::Value;
-
-/// Limit for the number of rules of a native function, which bounds the time and the memory of its compilation.
-pub(crate) const MAX_RULES: usize = 4_000;
 
 /// Limit for the number of updates of one function.
 const MAX_SITES: usize = 1_000;
@@ -37,7 +35,7 @@ enum Passage {
 }
 
 /// An update in the rules, with the calls and loops around it.
-struct Site {
+struct UpdateSite {
     function: FunctionId,
     arguments: Vec<Known>,
     path: Vec<Passage>,
@@ -54,7 +52,7 @@ pub(crate) struct ClashAnalysis {
 
 /// Analyses the main rule of a program.
 pub(crate) fn analysed(program: &Program, main: RoutineId) -> ClashAnalysis {
-    let mut search = Search {
+    let mut search = ClashSearch {
         program,
         sites: Vec::new(),
         path: Vec::new(),
@@ -65,7 +63,7 @@ pub(crate) fn analysed(program: &Program, main: RoutineId) -> ClashAnalysis {
     };
     search.routine(main, Vec::new(), Known::Nothing);
     let mut free = vec![search.visited < MAX_RULES; program.functions.len()];
-    let mut by_function: Vec<Vec<&Site>> = vec![Vec::new(); program.functions.len()];
+    let mut by_function: Vec<Vec<&UpdateSite>> = vec![Vec::new(); program.functions.len()];
     for site in &search.sites {
         by_function[site.function.0 as usize].push(site);
     }
@@ -78,7 +76,7 @@ pub(crate) fn analysed(program: &Program, main: RoutineId) -> ClashAnalysis {
     }
 }
 
-fn are_apart(sites: &[&Site]) -> bool {
+fn are_apart(sites: &[&UpdateSite]) -> bool {
     sites.iter().enumerate().all(|(index, site)| {
         let mut others = sites.iter().skip(index + 1);
         is_apart_from_itself(site) && others.all(|other| is_apart(site, other))
@@ -86,7 +84,7 @@ fn are_apart(sites: &[&Site]) -> bool {
 }
 
 /// Returns `true` if executions of an update in different iterations have different locations.
-fn is_apart_from_itself(site: &Site) -> bool {
+fn is_apart_from_itself(site: &UpdateSite) -> bool {
     let mut loops = site.path.iter().flat_map(Passage::variables);
     loops.all(|variable| {
         let mut arguments = site.arguments.iter();
@@ -94,7 +92,7 @@ fn is_apart_from_itself(site: &Site) -> bool {
     })
 }
 
-fn is_apart(one: &Site, other: &Site) -> bool {
+fn is_apart(one: &UpdateSite, other: &UpdateSite) -> bool {
     let pairs = || one.arguments.iter().zip(&other.arguments);
     let is_other_constant = |(one, other): (&Known, &Known)| matches!((one, other), (Known::Constant(one), Known::Constant(other)) if one != other);
     if pairs().any(is_other_constant) {
@@ -139,9 +137,9 @@ impl Passage {
 }
 
 /// The search for updates, in the rules that native code inlines.
-struct Search<'a> {
+struct ClashSearch<'a> {
     program: &'a Program,
-    sites: Vec<Site>,
+    sites: Vec<UpdateSite>,
     path: Vec<Passage>,
     inlined: Vec<RoutineId>,
     /// The range of atoms of each variable, if known: number of the first, and count.
@@ -150,13 +148,13 @@ struct Search<'a> {
     visited: usize,
 }
 
-impl Search<'_> {
+impl ClashSearch<'_> {
     fn routine(&mut self, routine: RoutineId, mut locals: Vec<Known>, agent: Known) {
         let program = self.program;
         let Some(called) = program.routines.get(routine.0 as usize) else {
             return;
         };
-        if self.inlined.contains(&routine) || self.inlined.len() >= crate::rule::MAX_INLINED {
+        if self.inlined.contains(&routine) || self.inlined.len() >= MAX_INLINED {
             return;
         }
         locals.resize(called.locals as usize, Known::Nothing);
@@ -323,7 +321,7 @@ impl Search<'_> {
     }
 
     fn add(&mut self, function: FunctionId, arguments: Vec<Known>) {
-        self.sites.push(Site {
+        self.sites.push(UpdateSite {
             function,
             arguments,
             path: self.path.clone(),

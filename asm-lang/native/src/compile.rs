@@ -2,22 +2,24 @@
 
 use crate::clash::analysed;
 use crate::detour::Detour;
-use crate::direct::compile_direct;
+use crate::direct_code::DirectCode;
+use crate::direct_frame::{DirectEntry, DirectFrame};
 use crate::emit::{EmittedRule, Emitter, entry_signature};
 use crate::frame::{NativeEntry, NativeFrame};
+use crate::limits::{FEW_RULES, MAX_RULES};
 use crate::memory::CodeMemory;
+use crate::value_facts::ValueFacts;
 use asmotion_ir::{Program, RoutineId};
 use asmotion_machine::back_end::{
-    Compiler, DirectRule, NativeCompiler, NativeRule, NoNativeCode, RuleStopped, StepContext,
+    Compiler, DirectResult, DirectRule, DirectStep, NativeCompiler, NativeRule, NoNativeCode,
+    RuleStopped, StepContext,
 };
 use asmotion_value::Value;
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, default_libcall_names};
-
-/// Number of rules up to which a function is optimised.
-const FEW_RULES: usize = 200;
+use std::sync::Arc;
 
 /// Compiles main rules with Cranelift, for the processor of the running process.
 #[derive(Clone, Copy, Debug, Default)]
@@ -65,11 +67,66 @@ impl NativeRule for MainRule {
     }
 }
 
+/// A direct rule with its code.
+struct DirectMainRule {
+    entry: DirectEntry,
+    /// Greatest possible number of updates.
+    updates: usize,
+    facts: Arc<ValueFacts>,
+    /// Owns the code that `entry` points to.
+    _memory: CodeMemory,
+}
+
+impl DirectRule for DirectMainRule {
+    #[inline]
+    fn collect(&self, step: &mut DirectStep<'_>) -> DirectResult {
+        DirectFrame::enter(step, self.entry, self.updates)
+    }
+
+    fn fits(&self, slots: &[Value]) -> bool {
+        self.facts.hold(slots)
+    }
+}
+
+/// Compiles the main rule for direct steps; `None` if they would not be sound, or useless.
+fn compile_direct(program: &Program, slots: &[Value]) -> Option<Box<dyn DirectRule>> {
+    let main = program.main?;
+    let assumes = program.invariants.iter().any(|invariant| invariant.assumes);
+    if program.compatible || program.messages.is_some() || assumes {
+        return None;
+    }
+    let analysis = analysed(program, main);
+    if analysis.rules >= MAX_RULES {
+        return None;
+    }
+    let mut module = module(analysis.rules)?;
+    let facts = Arc::new(ValueFacts::of(program, slots));
+    let mut updates = None;
+    let function = emitted(
+        program,
+        main,
+        &mut module,
+        |emitter| emitter.set_direct(analysis.free, facts.clone()),
+        |rule| {
+            updates = rule.direct.as_ref().and_then(DirectCode::updates);
+            rule.is_whole && updates.is_some()
+        },
+    );
+    let memory = CodeMemory::new(module);
+    let (function, _) = function?;
+    Some(Box::new(DirectMainRule {
+        entry: memory.direct_entry(function)?,
+        updates: updates?,
+        facts,
+        _memory: memory,
+    }))
+}
+
 /// Creates an empty module for this processor. Native code accesses values by their layout in
 /// memory, which is defined for little-endian machines with 64-bit pointers only.
 ///
 /// A function with many rules is not optimised, which takes a third of the compilation and saves a twentieth of a step.
-pub(crate) fn module(rules: usize) -> Option<JITModule> {
+fn module(rules: usize) -> Option<JITModule> {
     if cfg!(target_endian = "big") || cfg!(not(target_pointer_width = "64")) {
         return None;
     }
@@ -91,7 +148,7 @@ pub(crate) fn module(rules: usize) -> Option<JITModule> {
 }
 
 /// Generates a main rule and compiles it if it is accepted. Returns the function and the rest of the rule.
-pub(crate) fn emitted(
+fn emitted(
     program: &Program,
     main: RoutineId,
     module: &mut JITModule,

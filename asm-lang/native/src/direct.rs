@@ -3,142 +3,19 @@
 //! A direct rule needs neither the context of a step nor its counters: the numbers of bindings, calls and updates are
 //! bounded when it is compiled. Functions whose locations are updated at most once need no marks.
 
-use crate::clash::{MAX_RULES, analysed};
-use crate::compile::{emitted, module};
-use crate::direct_frame::{self, DirectEntry, DirectFrame};
-use crate::direct_sequence::DirectSequence;
+use crate::direct_code::{DirectCode, DirectSequence};
+use crate::direct_frame;
 use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::location::Located;
-use crate::memory::CodeMemory;
 use crate::rule::{BoundRange, total};
 use crate::value_facts::{ValueFact, ValueFacts};
-use asmotion_ir::{FunctionId, Origin, Program};
-use asmotion_machine::back_end::{DirectResult, DirectRule, DirectStep, MAX_BINDINGS, MAX_CALLS};
-use asmotion_value::{Value, layout};
+use asmotion_ir::{FunctionId, Origin};
+use asmotion_value::layout;
 use cranelift_codegen::ir::InstBuilder;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
-use cranelift_frontend::Variable;
 use std::sync::Arc;
-
-/// Limit for the number of updates of a direct step.
-const MAX_UPDATES: u64 = 1 << 20;
-
-/// The code of a direct rule, which has no detours: it gives up instead.
-pub(crate) struct DirectCode {
-    /// Address of the next update.
-    next_update: Variable,
-    first_update: Ssa,
-    /// Number of iterations of all loops so far.
-    iterations: Variable,
-    /// `true` if all slots that are updated hold scalars.
-    holds_scalars: bool,
-    /// The functions whose locations are updated at most once in a step, indexed by function.
-    clash_free: Vec<bool>,
-    facts: Arc<ValueFacts>,
-    /// Number of times that the code generated next is executed at most in a step.
-    repetitions: u64,
-    /// Greatest possible numbers of updates, of bindings and of calls.
-    updates: u64,
-    bindings: u64,
-    calls: u64,
-    /// `true` if the rule gives up in each step.
-    is_futile: bool,
-    pub sequence: DirectSequence,
-}
-
-/// A direct rule with its code.
-struct DirectMainRule {
-    entry: DirectEntry,
-    /// Greatest possible number of updates.
-    updates: usize,
-    facts: Arc<ValueFacts>,
-    /// Owns the code that `entry` points to.
-    _memory: CodeMemory,
-}
-
-impl DirectRule for DirectMainRule {
-    #[inline]
-    fn collect(&self, step: &mut DirectStep<'_>) -> DirectResult {
-        DirectFrame::enter(step, self.entry, self.updates)
-    }
-
-    fn fits(&self, slots: &[Value]) -> bool {
-        self.facts.hold(slots)
-    }
-}
-
-/// Compiles the main rule for direct steps; `None` if they would not be sound, or useless.
-pub(crate) fn compile_direct(program: &Program, slots: &[Value]) -> Option<Box<dyn DirectRule>> {
-    let main = program.main?;
-    let assumes = program.invariants.iter().any(|invariant| invariant.assumes);
-    if program.compatible || program.messages.is_some() || assumes {
-        return None;
-    }
-    let analysis = analysed(program, main);
-    if analysis.rules >= MAX_RULES {
-        return None;
-    }
-    let mut module = module(analysis.rules)?;
-    let facts = Arc::new(ValueFacts::of(program, slots));
-    let mut updates = None;
-    let function = emitted(
-        program,
-        main,
-        &mut module,
-        |emitter| emitter.set_direct(analysis.free, facts.clone()),
-        |rule| {
-            updates = rule.direct.as_ref().and_then(DirectCode::updates);
-            rule.is_whole && updates.is_some()
-        },
-    );
-    let memory = CodeMemory::new(module);
-    let (function, _) = function?;
-    Some(Box::new(DirectMainRule {
-        entry: memory.direct_entry(function)?,
-        updates: updates?,
-        facts,
-        _memory: memory,
-    }))
-}
-
-impl DirectCode {
-    /// Returns the greatest possible number of updates in a step, if direct steps keep all limits.
-    fn updates(&self) -> Option<usize> {
-        // the main rule is the first call
-        let is_bounded = self.bindings <= u64::from(MAX_BINDINGS)
-            && self.calls < u64::from(MAX_CALLS)
-            && self.updates <= MAX_UPDATES;
-        (is_bounded && !self.is_futile).then_some(self.updates as usize)
-    }
-
-    /// Returns `true` if the code generated next is executed at most once in a step.
-    pub fn is_executed_once(&self) -> bool {
-        self.repetitions == 1
-    }
-
-    /// Returns `true` if no location of a function is updated twice in a step.
-    pub fn is_clash_free(&self, function: FunctionId) -> bool {
-        let free = self.clash_free.get(function.0 as usize);
-        free.copied().unwrap_or(false)
-    }
-
-    /// Returns the number of iterations of all loops so far.
-    pub fn iterations(&self) -> Variable {
-        self.iterations
-    }
-
-    /// Returns the address of the next update.
-    pub fn next_update(&self) -> Variable {
-        self.next_update
-    }
-
-    /// Adds to the greatest possible number of updates.
-    pub fn add_updates(&mut self, count: u64) {
-        self.updates = self.updates.saturating_add(count);
-    }
-}
 
 impl Emitter<'_> {
     /// Generates a direct rule instead of code with detours.

@@ -3,38 +3,20 @@
 //! Each slot has one update, which the first write adds and later ones overwrite in place. Memory keeps the values from before
 //! the sequence, so nothing has to be restored.
 
-use crate::direct::DirectCode;
+use crate::direct_code::{DirectCode, DirectSequence, SequenceSlot};
 use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
 use crate::frame::at;
+use crate::limits::MAX_INLINED;
 use crate::location::Located;
 use asmotion_ir::{AssignTarget, FunctionId, Origin, RoutineId, Rule, RuleNode, Slot, ValueKind};
 use asmotion_machine::back_end::MAX_ITERATIONS;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{InstBuilder, Type};
-use cranelift_frontend::Variable;
 use std::collections::BTreeMap;
 
 /// Limit for the number of slots that a sequence updates.
 const MAX_SLOTS: usize = 64;
-
-/// The sequence that is being generated.
-#[derive(Default)]
-pub(crate) struct DirectSequence {
-    slots: BTreeMap<Slot, SequenceSlot>,
-    /// For each loop around the code, outermost first, a flag that is set by a write.
-    writes: Vec<Variable>,
-}
-
-/// A slot that the sequence updates.
-#[derive(Clone, Copy)]
-struct SequenceSlot {
-    function: FunctionId,
-    /// The current value.
-    value: Variable,
-    /// Address of its update; 0 before the first write.
-    update: Variable,
-}
 
 impl Emitter<'_> {
     /// In a direct rule, generates a sequence, or gives up, and returns `true`.
@@ -137,7 +119,7 @@ impl Emitter<'_> {
                 self.written(body, inlined, slots)
             }
             RuleNode::Call(routine, _) => {
-                if inlined.contains(routine) || inlined.len() > crate::rule::MAX_INLINED {
+                if inlined.contains(routine) || inlined.len() > MAX_INLINED {
                     return false;
                 }
                 inlined.push(*routine);

@@ -1,9 +1,9 @@
 //! The function under construction: blocks, memory accesses and exits.
 
-use crate::clash::MAX_RULES;
 use crate::detour::Detour;
-use crate::direct::DirectCode;
+use crate::direct_code::DirectCode;
 use crate::frame::{at, out, pack_call_position};
+use crate::limits::MAX_RULES;
 use asmotion_ir::{BodyId, IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
 use asmotion_machine::back_end::Compiler;
 use asmotion_value::layout;

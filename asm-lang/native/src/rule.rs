@@ -3,6 +3,7 @@
 use crate::clash::routine_of_atoms;
 use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, Loops, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
+use crate::limits::MAX_INLINED;
 use crate::static_analysis::{StaticRange, counts, is_repeatable, rule_counts};
 use asmotion_ir::{
     AssignTarget, Binder, IntegerInterval, Local, Origin, RoutineId, Rule, RuleNode, Term, TermNode,
@@ -11,9 +12,6 @@ use asmotion_machine::back_end::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder, Type};
-
-/// Limit for the nesting of inlined macros.
-pub(crate) const MAX_INLINED: usize = 48;
 
 /// A variable, its range, and the place of the range.
 pub(crate) type BoundRange = (Local, StaticRange, Origin);

@@ -2,7 +2,7 @@
 //! the value of `let` is that of its term.
 
 use crate::emit::{EmitScope, Emitter, KnownValue};
-use crate::rule::MAX_INLINED;
+use crate::limits::MAX_INLINED;
 use asmotion_ir::{Term, TermNode};
 
 impl Emitter<'_> {

@@ -35,7 +35,7 @@ definitions:
 
 /// The variables in scope, by kind.
 #[derive(Clone, Default)]
-struct Scope {
+struct VariablesInScope {
     integers: Vec<String>,
     colors: Vec<String>,
 }
@@ -56,14 +56,14 @@ pub(crate) fn specification(bytes: &[u8]) -> String {
     };
     generator.is_plain = generator.of(2) == 0;
     let mut text = HEAD.to_owned();
-    let parameter = Scope {
+    let parameter = VariablesInScope {
         integers: vec!["$k".to_owned()],
-        ..Scope::default()
+        ..VariablesInScope::default()
     };
     let macro_body = generator.rule(2, &parameter);
     let _ = writeln!(text, "  rule r_step($k in Small) =\n    {macro_body}\n");
     let rules: Vec<String> = (0..=generator.of(3))
-        .map(|_| generator.rule(DEPTH, &Scope::default()))
+        .map(|_| generator.rule(DEPTH, &VariablesInScope::default()))
         .collect();
     let _ = writeln!(
         text,
@@ -127,7 +127,7 @@ impl Generator<'_> {
         }
     }
 
-    fn color(&mut self, scope: &Scope) -> String {
+    fn color(&mut self, scope: &VariablesInScope) -> String {
         match self.of(5) {
             0 => "RED".to_owned(),
             1 => "GREEN".to_owned(),
@@ -138,7 +138,7 @@ impl Generator<'_> {
     }
 
     /// A term that is often in the domain `Small`.
-    fn small(&mut self, depth: u32, scope: &Scope) -> String {
+    fn small(&mut self, depth: u32, scope: &VariablesInScope) -> String {
         match self.of(7) {
             0 => "s".to_owned(),
             1 if !self.is_plain => "heard".to_owned(),
@@ -160,7 +160,7 @@ impl Generator<'_> {
         }
     }
 
-    fn integer(&mut self, depth: u32, scope: &Scope) -> String {
+    fn integer(&mut self, depth: u32, scope: &VariablesInScope) -> String {
         if depth == 0 {
             return match self.of(5) {
                 0 => "a".to_owned(),
@@ -211,7 +211,7 @@ impl Generator<'_> {
         }
     }
 
-    fn truth(&mut self, depth: u32, scope: &Scope) -> String {
+    fn truth(&mut self, depth: u32, scope: &VariablesInScope) -> String {
         if depth == 0 {
             return match self.of(4) {
                 0 if !self.is_plain => "flag".to_owned(),
@@ -277,14 +277,14 @@ impl Generator<'_> {
     }
 
     /// Returns a new variable over `Small` and the scope that contains it.
-    fn bound(&mut self, scope: &Scope) -> (String, Scope) {
+    fn bound(&mut self, scope: &VariablesInScope) -> (String, VariablesInScope) {
         let variable = self.variable();
         let mut inner = scope.clone();
         inner.integers.push(variable.clone());
         (variable, inner)
     }
 
-    fn update(&mut self, scope: &Scope) -> String {
+    fn update(&mut self, scope: &VariablesInScope) -> String {
         if self.is_plain {
             return self.plain_update(scope);
         }
@@ -316,7 +316,7 @@ impl Generator<'_> {
     }
 
     /// An update that rarely fails.
-    fn plain_update(&mut self, scope: &Scope) -> String {
+    fn plain_update(&mut self, scope: &VariablesInScope) -> String {
         match self.of(10) {
             0 => format!("a := ({} mod 1009)", self.integer(2, scope)),
             1 => format!("b := ({} mod 101)", self.integer(2, scope)),
@@ -332,7 +332,7 @@ impl Generator<'_> {
         }
     }
 
-    fn rule(&mut self, depth: u32, scope: &Scope) -> String {
+    fn rule(&mut self, depth: u32, scope: &VariablesInScope) -> String {
         if depth == 0 {
             return self.update(scope);
         }

@@ -1,0 +1,10 @@
+//! Limits of native code.
+
+/// Limit for the number of rules of a native function, which bounds the time and the memory of its compilation.
+pub(crate) const MAX_RULES: usize = 4_000;
+
+/// Number of rules up to which a function is optimised.
+pub(crate) const FEW_RULES: usize = 200;
+
+/// Limit for the nesting of inlined macros and unfolded definitions.
+pub(crate) const MAX_INLINED: usize = 48;
