@@ -51,20 +51,37 @@ impl<'a> MachineSystem<'a> {
         }
     }
 
-    /// Moves one machine: messages arrive, the machine makes a step, and its messages leave. Returns `true` if something changed.
-    fn advance_machine(
+    /// Moves machines at the same time: messages arrive, the machines make a step, and their messages leave. Returns `true` if
+    /// something changed.
+    fn advance(
         &mut self,
-        index: usize,
+        movers: &[usize],
         decisions: &Decisions,
         known: &[InputValue],
     ) -> Result<bool, MachineFault> {
         let uses_messages = self.plan.messages.is_used();
         let mut has_changed = false;
-        if uses_messages {
+        for &index in movers.iter().filter(|_| uses_messages) {
             let arrivals = self.delivery(decisions).arrive(index);
             has_changed |= arrivals.is_any;
             self.label |= arrivals.label;
         }
+        for &index in movers {
+            has_changed |= self.execute(index, decisions, known)?;
+        }
+        for &index in movers.iter().filter(|_| uses_messages) {
+            has_changed |= self.delivery(decisions).send(index)?;
+        }
+        Ok(has_changed)
+    }
+
+    /// Executes the step of one machine. Returns `true` if it updates a location.
+    fn execute(
+        &mut self,
+        index: usize,
+        decisions: &Decisions,
+        known: &[InputValue],
+    ) -> Result<bool, MachineFault> {
         self.moved.push(index);
         let (before, rest) = self.machines.split_at_mut(index);
         let Some((machine, after)) = rest.split_first_mut() else {
@@ -91,15 +108,9 @@ impl<'a> MachineSystem<'a> {
         };
         let mut choices = DecidedChoices(decisions);
         match machine.step(&mut inputs, &mut choices, 0) {
-            Ok(step) => has_changed |= !step.updates().is_empty(),
-            Err(fault) => {
-                return Err(MachineFault::of_step(index, fault));
-            }
+            Ok(step) => Ok(!step.updates().is_empty()),
+            Err(fault) => Err(MachineFault::of_step(index, fault)),
         }
-        if uses_messages {
-            has_changed |= self.delivery(decisions).send(index)?;
-        }
-        Ok(has_changed)
     }
 
     fn delivery<'s>(&'s mut self, decisions: &'s Decisions) -> MessageDelivery<'s> {
@@ -188,7 +199,7 @@ impl TransitionSystem for MachineSystem<'_> {
         self.moved.clear();
         self.events.clear();
         if let Some(environment) = self.plan.environment {
-            self.advance_machine(environment, decisions, &[])?;
+            self.advance(&[environment], decisions, &[])?;
         }
         Ok(())
     }
@@ -264,14 +275,11 @@ impl TransitionSystem for MachineSystem<'_> {
             [only] => *only as u32 & MACHINE,
             _ => 0,
         };
-        let mut has_changed = false;
-        for index in movers {
-            has_changed |= self.advance_machine(index, decisions, known)?;
-        }
+        let mut has_changed = self.advance(&movers, decisions, known)?;
         self.hold(decisions, known);
         self.scripted += 1;
         if let Some(environment) = self.plan.environment {
-            has_changed |= self.advance_machine(environment, decisions, &[])?;
+            has_changed |= self.advance(&[environment], decisions, &[])?;
         }
         Ok(has_changed)
     }

@@ -448,3 +448,71 @@ default init s0:
     assert_eq!(never.len(), 1);
     assert!(never[0].starts_with("r_never"), "{never:?}");
 }
+
+#[test]
+fn a_message_of_a_synchronous_machine_arrives_in_the_next_transition() {
+    let sender = "asm sender
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Receiver subsetof Agent
+  static receiver: Receiver
+  out go: Prod(Receiver, Boolean) -> Rule
+  controlled steps: Number
+definitions:
+  domain Number = {0:3}
+  main rule r_Main = if steps < 3 then par
+    steps := steps + 1
+    if steps = 0 then r_wsend[receiver, \"go\", true] endif
+  endpar endif
+default init s0:
+  function steps = 0
+";
+    let receiver = "asm receiver
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Receiver subsetof Agent
+  out go: Prod(Receiver, Boolean) -> Rule
+  //@Backref
+  shared client: Agent -> Agent
+  monitored steps: Number
+  controlled at: Number
+definitions:
+  domain Number = {0:3}
+  main rule r_Main = if nextRequest(self) = \"go\" then par
+    r_wreceive[client(self), \"go\"]
+    at := steps
+  endpar endif
+";
+    let possible: Vec<String> = (0..4).map(|at| format!("receiver.at = {at}")).collect();
+    let options = Options {
+        possible: possible.clone(),
+        only: possible.clone(),
+        ..Options::default()
+    };
+    let found = |schedule| {
+        let system = SystemSpecification {
+            machines: vec![machine("sender", sender), machine("receiver", receiver)],
+            schedule,
+            ..SystemSpecification::default()
+        };
+        let verification = verified_system(system, &options);
+        let holds = possible
+            .iter()
+            .map(|it| verdict_of(&verification, it) == "holds");
+        holds.collect::<Vec<bool>>()
+    };
+    // in the second transition, where both read what the sender had after the first
+    assert_eq!(
+        found(MachineSchedule::Synchronous),
+        [false, true, false, false]
+    );
+    // the receiver makes its step at any time after the message
+    assert_eq!(
+        found(MachineSchedule::Interleaved),
+        [false, true, true, true]
+    );
+}
