@@ -86,6 +86,13 @@ impl App {
         self
     }
 
+    /// Adds the protocol of a component: the text of a specification of what it sends, depending on what it receives, with
+    /// which `asmotion verify` verifies the specifications of composites.
+    pub fn protocol(mut self, component: &str, protocol: &str) -> Self {
+        self.build.add_protocol(component, protocol);
+        self
+    }
+
     /// Adds a message type, for composites whose specifications send or receive it while no component has a port of this
     /// type.
     pub fn message<M: Message>(mut self) -> Self {

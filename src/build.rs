@@ -117,6 +117,11 @@ impl Build {
         Arc::make_mut(&mut self.catalogue).add_component(name, factory(new));
     }
 
+    /// See [`App::protocol`](crate::App::protocol).
+    pub(crate) fn add_protocol(&mut self, component: &str, protocol: &str) {
+        Arc::make_mut(&mut self.catalogue).add_protocol(component, protocol);
+    }
+
     /// See [`App::message`](crate::App::message).
     pub(crate) fn add_message<M: Message>(&mut self) {
         Arc::make_mut(&mut self.catalogue).add_message(M::schema());

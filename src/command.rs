@@ -148,7 +148,7 @@ impl Command {
             Self::New(new) => new.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
-            Self::Verify(verify) => verify.run(terminal),
+            Self::Verify(verify) => verify.run(build, terminal),
             Self::Repl(repl) => repl.run(terminal),
             Self::Test(test) => test.run(build, terminal),
             Self::Topic(topic) => topic.run(build, terminal),

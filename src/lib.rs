@@ -32,6 +32,7 @@ mod terminal;
 pub mod top;
 pub mod trace;
 mod transport;
+mod verification;
 
 pub use app::{App, AppCommand};
 pub use broker::{AddedBroker, BrokerSettings};

@@ -7,6 +7,7 @@ mod error;
 mod gateway;
 mod outcome;
 mod process;
+mod proof;
 mod stall;
 mod version_switch;
 
@@ -37,6 +38,7 @@ use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
 use crate::story::{Story, Summary};
+use crate::terminal::{Colour, TerminalOutput};
 use end_condition::{EndCondition, SLICE, awaited_updates};
 use version_switch::VersionSwitch;
 
@@ -74,6 +76,9 @@ pub struct Mission {
     pub limit: Option<Duration>,
     /// Components whose failure does not end the run.
     pub may_fail: Vec<String>,
+    /// Receives what the verification before the start finds, if the composite starts all the same; by default, it is printed as
+    /// a warning on standard error.
+    pub notice: fn(&str),
 }
 
 /// Clock of a mission.
@@ -133,6 +138,7 @@ impl Mission {
             unless: None,
             limit: Some(Duration::from_secs(600)),
             may_fail: Vec::new(),
+            notice: |text| TerminalOutput::new(Colour::Auto).warn(text),
         }
     }
 
@@ -161,7 +167,12 @@ impl Mission {
         mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<MissionEnd, MissionError> {
-        let opened = self.open(&self.composite, &DiskLoader, self.build.programs());
+        let mut opened = self.open(&self.composite, &DiskLoader, self.build.programs());
+        if let Some(plan) = opened.plan(self.profile.as_deref()) {
+            let mut report = opened.report.clone();
+            proof::without_verified(&mut report, plan);
+            opened.report = report;
+        }
         if opened.report.has_errors() {
             return Err(MissionError::Composite {
                 sources: opened.sources,
@@ -179,6 +190,7 @@ impl Mission {
         };
         director.prepare(plan).map_err(MissionError::Director)?;
         let part = self.part(plan)?;
+        self.verify_before_start(plan, &part, &DiskLoader)?;
         self.check_clock(plan, &part)?;
         self.check_robots(plan, &part)?;
         let watch = EndCondition::new(

@@ -44,7 +44,12 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-bench"],
     &["asmotion-composite"],
     &["asmotion-plan", "asmotion-scdl"],
-    &["asmotion-assembly", "asmotion-drawing", "asmotion-remote"],
+    &[
+        "asmotion-assembly",
+        "asmotion-drawing",
+        "asmotion-remote",
+        "asmotion-verification",
+    ],
     // the robot
     &["asmotion-messages"],
     &["asmotion-geometry"],

@@ -45,6 +45,15 @@ pub const COMPONENTS: &[(&str, MakeComponent)] = catalogue! {
     "youbot::Operator" => asmotion_youbot::YoubotOperator;
 };
 
+/// Protocols of components by their names in composites: specifications of what they send, depending on what they receive.
+pub const PROTOCOLS: &[(&str, &str)] = &[
+    ("nav::MapServer", asmotion_map::PROTOCOL),
+    ("nav::TrajectoryPlanner", asmotion_planner::PROTOCOL),
+    ("nav::TrajectoryAdapter", asmotion_adapter::PROTOCOL),
+    ("nav::TrajectoryFollower", asmotion_follower::PROTOCOL),
+    ("nav::sim::RoverDriver", asmotion_rover::PROTOCOL),
+];
+
 /// Returns the operations of an interface.
 pub type Operations = fn() -> Vec<OperationDeclaration>;
 
@@ -83,6 +92,11 @@ pub const INTERFACES: &[(&str, Operations)] = &[
 /// The constructor of the component with this name.
 pub fn component(name: &str) -> Option<MakeComponent> {
     row(COMPONENTS, name)
+}
+
+/// The protocol of the component with this name.
+pub fn protocol(name: &str) -> Option<&'static str> {
+    row(PROTOCOLS, name)
 }
 
 /// The operations of the interface with this name.

@@ -17,6 +17,7 @@ pub(super) struct BuildCatalogue {
     components: Vec<(String, ComponentFactory)>,
     messages: Vec<(String, Schema)>,
     interfaces: Vec<(String, Vec<OperationDeclaration>)>,
+    protocols: Vec<(String, String)>,
     /// Contradictions between registrations.
     problems: Vec<String>,
 }
@@ -40,7 +41,19 @@ impl BuildCatalogue {
                 .components
                 .push(((*name).to_owned(), Arc::new(constructor)));
         }
+        for (name, protocol) in asmotion_components::PROTOCOLS {
+            catalogue
+                .protocols
+                .push(((*name).to_owned(), (*protocol).to_owned()));
+        }
         catalogue
+    }
+
+    /// Adds the protocol of a component, in place of an earlier one.
+    pub(super) fn add_protocol(&mut self, component: &str, protocol: &str) {
+        self.protocols.retain(|(known, _)| known != component);
+        self.protocols
+            .push((component.to_owned(), protocol.to_owned()));
     }
 
     /// Contradictions between registrations, in order.
@@ -150,6 +163,10 @@ impl Catalogue for BuildCatalogue {
 
     fn factory(&self, component: &str) -> Option<ComponentFactory> {
         find(&self.components, component).cloned()
+    }
+
+    fn protocol(&self, component: &str) -> Option<String> {
+        find(&self.protocols, component).cloned()
     }
 
     fn has(&self, builtin: BuiltinComponent) -> bool {

@@ -352,6 +352,10 @@ impl MissionArguments {
                     Exit::refused(&mission.composite)
                 };
             }
+            Err(error @ MissionError::NotVerified(_)) => {
+                terminal.error(error);
+                return Exit::Findings;
+            }
             Err(error) => {
                 terminal.error(error);
                 return Exit::Usage;

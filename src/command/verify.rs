@@ -1,6 +1,7 @@
 //! `asmotion verify`: proves properties of specifications for all inputs and choices.
 
 mod avalla;
+mod composite;
 mod engine;
 mod export;
 mod follow_up;
@@ -18,11 +19,13 @@ mod watch;
 mod words;
 
 use self::progress::ExplorationProgress;
+use crate::build::Build;
 use crate::exit::Exit;
 use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
 use asmotion_verify::{Progress, SystemSpecification, Verdict, Verification, verify_system};
 use clap::Args;
+use composite::CompositeOptions;
 use engine::EngineOption;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -31,7 +34,7 @@ use system::SystemOptions;
 /// Verifies properties of specifications for all inputs and choices.
 #[derive(Args)]
 pub struct Verify {
-    /// Specifications, and folders to verify all their specifications
+    /// Specifications, composites (`.composite.toml`), and folders to verify all their specifications
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
 
@@ -120,13 +123,16 @@ pub struct Verify {
     #[command(flatten)]
     system: SystemOptions,
 
+    #[command(flatten)]
+    composite: CompositeOptions,
+
     /// Prints a JSON object for each specification
     #[arg(long)]
     json: bool,
 }
 
 impl Verify {
-    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         interrupt::install();
         if (self.watch || self.mutants) && (self.system.together || self.paths.len() != 1) {
             terminal.error("`--watch` and `--mutants` are for one specification");
@@ -143,6 +149,13 @@ impl Verify {
                 return Exit::Usage;
             }
         };
+        let (composites, files): (Vec<_>, Vec<_>) = files
+            .into_iter()
+            .partition(|file| FileKind::of(&file.path) == Some(FileKind::Composite));
+        if let Some(error) = self.misplaced(!composites.is_empty(), !files.is_empty()) {
+            terminal.error(error);
+            return Exit::Usage;
+        }
         if let Some(error) = other_than_specification(&files) {
             terminal.error(error);
             return Exit::Usage;
@@ -161,8 +174,14 @@ impl Verify {
             terminal.error("`--watch` and `--mutants` are for one specification");
             return Exit::Usage;
         }
-        let exits = files.iter().map(|file| self.file(&file.text(), terminal));
-        exits.fold(Exit::Ok, Exit::max)
+        let mut worst = Exit::Ok;
+        for composite in &composites {
+            worst = worst.max(self.composite(build, &composite.text(), terminal));
+        }
+        for file in &files {
+            worst = worst.max(self.file(&file.text(), terminal));
+        }
+        worst
     }
 
     /// Verifies the specification at a path.

@@ -75,6 +75,8 @@ pub enum MissionError {
         /// Names the feature that adds gateways.
         reason: LeftOut,
     },
+    /// The composite starts only if its properties are verified, and they are not: each finding.
+    NotVerified(Vec<String>),
     /// The director refuses the plan.
     Director(Report),
     /// The system cannot be assembled.
@@ -174,6 +176,11 @@ impl fmt::Display for MissionError {
                 let mut findings = report.diagnostics.iter();
                 findings.try_for_each(|finding| writeln!(to, "{}", finding.message))
             }
+            Self::NotVerified(findings) => write!(
+                to,
+                "the composite does not start, because a verification failed (`refuse_start_on_failure`): {}",
+                findings.join("\n")
+            ),
             Self::Launch(reason) => to.write_str(reason),
         }
     }

@@ -94,6 +94,7 @@ impl<'m> VersionSwitch<'m> {
             .and_then(|version| version.to())
             .map_err(bad_request)?;
         let wanted = self.open(&version)?;
+        self.verify(&version, &wanted)?;
         let mut changes = changes(&self.running, &wanted, &*run).map_err(|fixed| {
             let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
             refusal("NEEDS_START", fixed.join("; "))
@@ -112,6 +113,15 @@ impl<'m> VersionSwitch<'m> {
         let words = changes.iter().map(ToString::to_string);
         let words: Vec<_> = words.chain(notes).collect();
         Datum::of(&words).map_err(bad_request)
+    }
+
+    /// Verifies a version before it is applied, as before a start.
+    fn verify(&self, version: &CompositeVersion, wanted: &Version) -> Result<(), Refusal> {
+        let sent = SentFiles::in_folder_of(self.path, &version.files);
+        let verified = self
+            .mission
+            .verify_before_start(&wanted.plan, &wanted.part, &sent);
+        verified.map_err(|error| refusal("NOT_VERIFIED", error))
     }
 
     /// Returns a version as this process would run it from the start.

@@ -150,15 +150,22 @@ fn properties_that_are_not_verified_are_said_before_the_start() {
         err.find("n: 0 → 1").is_none_or(|step| warning < step),
         "{err}"
     );
-    let (code, out, err) = guarded("verify = { ctl = true }");
+    // the specification states both kinds: a CTL property that does not hold, and one of LTL
+    let (code, out, err) = guarded("verify = { ctl = true, ltl = true, bound = 5 }");
     assert_eq!(code, 0, "{out}{err}");
-    assert!(err.contains("C076"), "{err}");
-    let (code, out, err) = guarded("verify = { ctl = true, refuse_start_on_failure = true }");
-    assert_ne!(code, 0, "{out}{err}");
+    assert!(err.contains("of `Guard` is violated"), "{err}");
+    assert!(!err.contains("W031"), "{err}");
+    let (code, out, err) =
+        guarded("verify = { ctl = true, bound = 5, refuse_start_on_failure = true }");
+    assert_eq!(code, 1, "{out}{err}");
     assert!(
-        err.contains("C128") && !out.contains("reached"),
+        err.contains("does not start") && err.contains("step 1") && !out.contains("reached"),
         "{out}{err}"
     );
+    let (code, out, err) =
+        guarded("verify = { invariants = true, refuse_start_on_failure = true, bound = 1 }");
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(err.contains("does not start"), "{err}");
 }
 
 /// Expects a pair where the driver sends lists.

@@ -102,8 +102,6 @@ fn exit_codes_tell_a_violation_from_what_is_not_known() {
     assert_eq!(exit, 0);
     let (exit, _, err) = run(&["verify", "nowhere.asm"]);
     assert_eq!(exit, 2, "{err}");
-    let (exit, _, err) = run(&["verify", "specs/navigation/navigation.composite.toml"]);
-    assert_eq!(exit, 2, "{err}");
     let (exit, _, err) = run(&[
         "verify",
         PHILOSOPHERS,
@@ -379,4 +377,56 @@ fn a_watched_specification_is_verified_again() {
         .unwrap();
     assert!(sent.success());
     assert_eq!(child.wait().unwrap().code(), Some(1));
+}
+
+const NAVIGATION: &str = "specs/navigation/navigation.composite.toml";
+
+#[test]
+fn a_composite_is_verified_with_what_its_components_send() {
+    let (exit, out, err) = run(&["verify", NAVIGATION]);
+    assert_eq!(exit, 0, "{out}{err}");
+    assert!(out.contains("11 hold, 0 violated, 0 not known"), "{out}");
+    assert!(out.contains("TrajectoryFollower behaves as in"), "{out}");
+    assert!(
+        out.contains("CollisionMonitor has no protocol: any event at any time"),
+        "{out}"
+    );
+    let property = "ag(mode = FOLLOWING implies ax(mode != ARRIVED))";
+    let (exit, out, _) = run(&["verify", NAVIGATION, "--property", property]);
+    assert_eq!(exit, 1, "{out}");
+    assert!(
+        out.contains("event = REACHED (from TrajectoryFollower.event)"),
+        "{out}"
+    );
+    let (exit, out, _) = run(&["verify", NAVIGATION, "--property", property, "--json"]);
+    assert_eq!(exit, 1, "{out}");
+    let json: serde_json::Value = serde_json::from_str(&out).expect("a JSON object");
+    assert_eq!(json["component"], "ASMCoordinator");
+    assert_eq!(
+        json["environment"]["components"][0]["component"],
+        "TrajectoryAdapter"
+    );
+    assert_eq!(json["properties"][0]["verdict"], "violated");
+    let (exit, out, _) = run(&["verify", NAVIGATION, "--bound", "2"]);
+    assert_eq!(exit, 4, "{out}");
+    let (exit, out, _) = run(&["verify", NAVIGATION, "--print-environment"]);
+    assert_eq!(exit, 0, "{out}");
+    assert!(out.contains("rule r_environment ="), "{out}");
+}
+
+#[test]
+fn options_of_composites_are_refused_where_they_have_no_effect() {
+    for arguments in [
+        vec!["verify", LAMP, "--component", "Lamp"],
+        vec!["verify", NAVIGATION, "--component", "Nobody"],
+        vec!["verify", NAVIGATION, "--profile", "none"],
+        vec!["verify", NAVIGATION, "--set", "place"],
+        vec!["verify", NAVIGATION, "--set", "nothing=1"],
+        vec!["verify", NAVIGATION, "--environment", "hold"],
+        vec!["verify", NAVIGATION, "--trace", "run.trace"],
+        vec!["verify", "nowhere.composite.toml"],
+    ] {
+        let (exit, out, err) = run(&arguments);
+        assert_eq!(exit, 2, "{arguments:?}: {out}{err}");
+    }
 }

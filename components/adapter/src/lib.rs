@@ -17,3 +17,6 @@ pub use advice::{Advice, Adviser, BlockedCause, Patience};
 pub use bend::Barrier;
 pub use bend_limits::BendLimits;
 pub use memory::ScanMemory;
+
+/// Protocol of the trajectory adapter: what it sends, depending on what it receives.
+pub const PROTOCOL: &str = include_str!("../protocol.asm");

@@ -13,3 +13,6 @@ pub use follower::TrajectoryFollower;
 pub use motion::MeasuredMotion;
 pub use pursuit::Pursuit;
 pub use task::{FollowTask, FollowerEvent, Tolerance};
+
+/// Protocol of the trajectory follower: what it sends, depending on what it receives.
+pub const PROTOCOL: &str = include_str!("../protocol.asm");

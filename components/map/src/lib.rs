@@ -28,3 +28,6 @@ pub use library::{
 pub use map::{LonLat, Map, NamedPoint};
 pub use rules::{DEFAULT_RULES, FeatureRule, RuleError, Rules, Tags};
 pub use server::MapServer;
+
+/// Protocol of the map server: what it sends, depending on what it receives.
+pub const PROTOCOL: &str = include_str!("../protocol.asm");

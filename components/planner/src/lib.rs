@@ -15,3 +15,6 @@ pub use self::component::TrajectoryPlanner;
 pub use astar::AStar;
 pub use planner::{Blocked, NoPath, PathEnd, PlannedPath, Planner, PlannerSettings};
 pub use planners::{MakePlanner, PLANNERS, Planners};
+
+/// Protocol of the planner: what it sends, depending on what it receives.
+pub const PROTOCOL: &str = include_str!("../protocol.asm");

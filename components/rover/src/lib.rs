@@ -12,3 +12,6 @@ pub use drive::{DifferentialDrive, DriveLimits, Velocity};
 pub use driver::RoverDriver;
 pub use odometry::Odometer;
 pub use stall::{Contact, StallLimits, WheelWatch};
+
+/// Protocol of the rover driver: what it sends, depending on what it receives.
+pub const PROTOCOL: &str = include_str!("../protocol.asm");

@@ -36,6 +36,12 @@ pub trait Catalogue {
         Some(scratch.declaration().clone())
     }
 
+    /// Returns the text of the component's protocol: a specification of what it sends, depending on what it receives.
+    /// `None` if it has none, or is unknown.
+    fn protocol(&self, _component: &str) -> Option<String> {
+        None
+    }
+
     /// Returns whether the executable contains the built-in component.
     fn has(&self, builtin: BuiltinComponent) -> bool;
 

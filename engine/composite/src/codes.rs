@@ -216,7 +216,7 @@ pub const CODES: &[&Code] = &[
     c125::InvalidCondition::CODE,
     c126::NoIdleNotification::CODE,
     c127::StaleWithoutPeriod::CODE,
-    c128::VerificationNotSupported::CODE,
+    c128::NothingToVerify::CODE,
     c129::NothingToLeaveOut::CODE,
     c140::UnknownElement::CODE,
     c141::UnlistedDomain::CODE,

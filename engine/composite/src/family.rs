@@ -273,6 +273,12 @@ impl Visit<'_, '_> {
         let mut components: Vec<&Component> = composite.components.iter().collect();
         components.sort_by_key(|it| elsewhere.contains(&it.name.value));
         for component in components {
+            if let Some(file) = &component.special.protocol
+                && let Some(found) = self.resolve(file)
+            {
+                self.specification(&found);
+                paths.insert(file.value.clone(), found);
+            }
             match &component.implementation {
                 Some(Implementation::Asm { file, .. }) => {
                     if let Some(found) = self.resolve(file) {

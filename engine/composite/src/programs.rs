@@ -128,6 +128,10 @@ impl Catalogue for ExtendedCatalogue<'_> {
         self.base.declaration(component)
     }
 
+    fn protocol(&self, component: &str) -> Option<String> {
+        self.base.protocol(component)
+    }
+
     fn has(&self, builtin: BuiltinComponent) -> bool {
         self.base.has(builtin)
     }

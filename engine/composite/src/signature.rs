@@ -28,8 +28,24 @@ impl Specifications for NoSpecifications {
     }
 }
 
+/// The kinds of properties that a specification states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StatedProperties {
+    /// `CTLSPEC`
+    pub ctl: bool,
+    /// `LTLSPEC`
+    pub ltl: bool,
+    /// `invariant`
+    pub invariants: bool,
+}
+
 /// Functions of a specification.
 pub trait Signature {
+    /// Returns the kinds of properties that the specification states; `None` if that is not known.
+    fn stated_properties(&self) -> Option<StatedProperties> {
+        None
+    }
+
     /// Returns the warnings of the specification that concern its runs.
     fn warnings(&self) -> Report {
         Report::new()

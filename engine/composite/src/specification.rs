@@ -13,7 +13,7 @@ use asmotion_lang::value::{Atom, Value};
 
 use crate::signature::{
     Annotated, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind, MissingLiteral,
-    ParameterInfo, Signature, Specifications,
+    ParameterInfo, Signature, Specifications, StatedProperties,
 };
 
 /// Loads `.asm` files with the language crates.
@@ -67,6 +67,16 @@ struct ModelSignature {
 }
 
 impl Signature for ModelSignature {
+    fn stated_properties(&self) -> Option<StatedProperties> {
+        let model = self.model.borrow();
+        let states = |logic| model.properties.iter().any(|it| it.logic == logic);
+        Some(StatedProperties {
+            ctl: states(hir::PropertyLogic::Ctl),
+            ltl: states(hir::PropertyLogic::Ltl),
+            invariants: !model.invariants.is_empty(),
+        })
+    }
+
     fn warnings(&self) -> Report {
         asmotion_lang::unverified_properties(&self.model.borrow())
             .into_iter()

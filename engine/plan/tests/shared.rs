@@ -14,7 +14,7 @@ fn is_there() -> bool {
     asmotion_skip::shared("specs").is_some()
 }
 
-/// The files of the folder without the demand for a verification, which this version refuses (C128).
+/// The files of the folder without the demand for a verification.
 struct Unverified(Files);
 
 impl Loader for Unverified {
@@ -104,18 +104,6 @@ fn it_finds_no_error_in_any_of_them() {
             });
         }
     }
-}
-
-#[test]
-fn it_refuses_a_start_that_depends_on_a_verification() {
-    if !is_there() {
-        return;
-    }
-    let opened = open(&Files::new(FOLDER), "navigation.composite.toml");
-    assert_eq!(
-        errors(&opened),
-        ["C128: this version cannot verify `ASMCoordinator` before it starts"]
-    );
 }
 
 #[test]

@@ -252,6 +252,7 @@ fn refuse(error: MissionError, result: &mut TestResult) {
         | MissionError::Broker { .. }
         | MissionError::Gateway { .. }
         | MissionError::WithoutGateway { .. }
+        | MissionError::NotVerified(_)
         | MissionError::Launch(_)) => {
             let reason = error.to_string();
             result

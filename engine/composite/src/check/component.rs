@@ -9,7 +9,7 @@ use crate::codes::c028::UnknownProperty;
 use crate::codes::c035::MasterCycle;
 use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
-use crate::codes::c128::VerificationNotSupported;
+use crate::codes::c128::NothingToVerify;
 use crate::codes::c153::ProgramWithoutDeclaration;
 use crate::codes::c154::ProgramElsewhere;
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,6 +27,7 @@ use crate::finding::Findings;
 use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use crate::programs::command_of;
+use crate::signature::Signature;
 use asmotion_datum::Word;
 
 /// Returns the active components with their ports, services and properties.
@@ -44,7 +45,7 @@ pub(crate) fn parts<'s>(
         }
         id(component, &mut ids, report);
         pace(scene, component, report);
-        verify(component, report);
+        verify(scene, component, report);
         let face = face(scene, component, nested, report);
         safe(scene, component, &face, report);
         let bind = scene.family.bind(scene.member, component);
@@ -111,23 +112,33 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
     }
 }
 
-/// Reports keys of `verify`, which this version does not act on.
-fn verify(component: &Component, report: &mut Report) {
+/// Reports keys of `verify` that name kinds of properties which the specification does not state.
+fn verify(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
     let Some(verify) = &component.special.verify else {
         return;
     };
-    let wanted = |key: &Option<At<bool>>| key.as_ref().filter(|key| key.value).map(|key| key.span);
-    if let Some(at) = wanted(&verify.refuse_start_on_failure) {
-        let component = component.name.value.clone();
-        return report.found(VerificationNotSupported { component, at });
-    }
-    let keys = [&verify.ctl, &verify.ltl, &verify.invariants];
-    if let Some(at) = keys.into_iter().find_map(wanted) {
-        report.found(UnsupportedKey {
-            key: "verify",
-            at,
-            instead: "invariants of the specification are checked in every step of a run",
-        });
+    let Some(Implementation::Asm { file, .. }) = &component.implementation else {
+        return;
+    };
+    let Some(stated) = scene
+        .family
+        .specification(scene.member, &file.value)
+        .and_then(Signature::stated_properties)
+    else {
+        return;
+    };
+    for (key, is_stated, kind) in [
+        (&verify.ctl, stated.ctl, "CTL property"),
+        (&verify.ltl, stated.ltl, "LTL property"),
+        (&verify.invariants, stated.invariants, "invariant"),
+    ] {
+        if let Some(key) = key.as_ref().filter(|key| key.value && !is_stated) {
+            report.found(NothingToVerify {
+                component: component.name.value.clone(),
+                kind,
+                at: key.span,
+            });
+        }
     }
 }
 

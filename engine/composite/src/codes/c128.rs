@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Start depends on a verification that this version cannot do
+/// Verification of properties that the specification does not state
 ///
-/// `refuse_start_on_failure = true` makes the start of the robot depend on properties of the specification. This version
-/// does not verify properties, so it refuses to start rather than start without the verification.
+/// `verify` selects the kinds of properties that are verified before the start. A kind of which the specification states no
+/// property has no effect.
 ///
 /// ```asm
 /// asm example
@@ -40,22 +40,24 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// [components.Guard]
 /// implementation = { asm = "example.asm" }
+/// verify = { invariants = true, refuse_start_on_failure = true }
 /// ```
 ///
-/// Invariants of the specification (`invariant over …`) are checked in every step of a run, and end it when they are
-/// violated.
+/// `asmotion verify` verifies the composite without a start.
 #[derive(Debug, thiserror::Error, Coded)]
-#[code(C128, error)]
-#[error("this version cannot verify `{component}` before it starts")]
-pub(crate) struct VerificationNotSupported {
+#[code(C128, warning)]
+#[error("the specification of `{component}` states no {kind} to verify")]
+pub(crate) struct NothingToVerify {
     pub component: String,
+    /// Kind of the property, in words.
+    pub kind: &'static str,
     pub at: Span,
 }
 
-impl Finding for VerificationNotSupported {
+impl Finding for NothingToVerify {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "demands a verification before the start")
-            .help("remove the key to run without verification; invariants are checked in every step of a run")
+            .label(self.at, "has no effect")
+            .help("remove the key, or state a property in the specification")
     }
 }

@@ -86,9 +86,12 @@ impl Component {
 #[derive(Clone, Debug, Table)]
 #[table(of = "a component", resolved = PlannedSpecialKeys)]
 pub struct SpecialKeys {
-    /// Properties of an ASM verified before it starts.
+    /// Properties of an ASM verified before it starts, with what the other components send it.
     #[key(example = "{ ctl = true }")]
     pub verify: Option<Verify>,
+    /// Specification of what the component sends, depending on what it receives, for the verification of others.
+    #[key(example = "\"gripper.asm\"")]
+    pub protocol: Option<At<String>>,
     /// `port-proxy`: mapping of operations to ports. `ros-bridge`: mapping of topics to ROS topics.
     #[key(
         example = "[{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }]"
@@ -163,9 +166,24 @@ pub struct Verify {
     /// Verify the invariants of the specification.
     #[key(default)]
     pub invariants: Option<At<bool>>,
-    /// Refuse to start the composite if the verification fails.
+    /// Refuse to start the composite if a property is violated, or not known to hold within the limits below. Otherwise
+    /// the start is preceded by a warning.
     #[key(default)]
     pub refuse_start_on_failure: Option<At<bool>>,
+    /// Largest number of steps from the initial state; unlimited by default.
+    #[key(range = 1..=1_000_000)]
+    pub bound: Option<At<u64>>,
+    /// Largest number of states; unlimited by default.
+    #[key(range = 1..=1_000_000_000)]
+    pub states: Option<At<u64>>,
+    /// Longest time of the verification.
+    #[key(unit = "seconds", range = 0.001..=86_400.0, default = Verify::TIME_S)]
+    pub time_s: Option<At<f64>>,
+}
+
+impl Verify {
+    /// Default of `time_s` in seconds.
+    pub(crate) const TIME_S: f64 = 60.0;
 }
 
 /// An entry of `map`.

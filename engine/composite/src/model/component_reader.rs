@@ -53,7 +53,7 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
         builtin == Some(BuiltinComponent::RosBridge),
         builtin == Some(BuiltinComponent::PortProxy),
     );
-    let rules: [(&'static str, bool, &'static str); 12] = [
+    let rules: [(&'static str, bool, &'static str); 13] = [
         ("bind", asm, "only functions of an ASM can be bound"),
         ("verify", asm, "only an ASM can be verified"),
         (
@@ -67,6 +67,7 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
             builtin == Some(BuiltinComponent::WebMonitor),
             "only the built-in `web-monitor` can plot",
         ),
+        ("protocol", !nested, NESTED),
         ("task", !nested, NESTED),
         ("activity", !nested, NESTED),
         ("lifecycle", !nested, NESTED),

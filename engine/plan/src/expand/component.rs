@@ -17,7 +17,9 @@ pub(super) fn component(component: &Component, plan: &Plan, root: &str) -> Table
     keys.put_table("services", services(&component.services));
     keys.put_table("references", references(component, plan));
     keys.put("properties", &component.properties);
-    keys.append(component.special.keys(""));
+    let mut special = component.special.clone();
+    special.protocol = special.protocol.map(|file| beside(root, &file));
+    keys.append(special.keys(""));
     let mut table = table(keys);
     let bind = component.binding.as_ref().map(binding::bind);
     if let Some(bind) = bind.filter(|bind| !bind.is_empty()) {

@@ -122,6 +122,9 @@ fn special(
     to: &mut Resolver<'_>,
 ) -> PlannedSpecialKeys {
     let mut keys = to.or_default(Some(&source.component.special));
+    if let Some(file) = &mut keys.protocol {
+        *file = source.member.path(file).unwrap_or(file).to_owned();
+    }
     // the ports of a port-proxy are those of its target
     if let Implementation::Builtin {
         target: Some(target),

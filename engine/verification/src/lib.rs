@@ -1,0 +1,26 @@
+//! Verification of composites: puts the specification of a component together with its environment.
+//!
+//! What an input of the specification can be follows from its binding and from the components that send to it: from their
+//! specifications, or from their *protocols*. A protocol is a specification of what a component sends, depending on what it
+//! receives ([`protocol`](mod@protocol)). A component without one may send anything at any time.
+
+mod actor;
+mod bound;
+mod currency;
+mod environment;
+mod error;
+mod glue;
+mod instrument;
+mod merge;
+mod message;
+mod model;
+mod network;
+mod origin;
+pub mod protocol;
+mod rename;
+
+pub use error::ModelError;
+pub use model::{
+    ComponentModel, ModelContext, ModelledEnvironment, component_model, specified_components,
+};
+pub use origin::ValueOrigin;

@@ -1,0 +1,4 @@
+//! Specifications of composites with their environments.
+
+mod composites;
+mod support;

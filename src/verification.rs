@@ -1,0 +1,319 @@
+//! Verifies specifications of composites: each together with its environment.
+
+use crate::build::Build;
+use crate::files::DiskLoader;
+use asmotion_composite::model::PlannedVerify;
+use asmotion_lang::hir::PropertyLogic;
+use asmotion_lang::{Loader, ReadOptions, Report, Sources, Style, render_all};
+use asmotion_plan::{Component, Implementation, Plan};
+use asmotion_verification::{
+    ComponentModel, ModelContext, ModelError, ModelledEnvironment, component_model,
+};
+use asmotion_verify::{Limits, Note, Options, PropertyKind, Run, Verdict, Verification, verify};
+use std::time::{Duration, Instant};
+
+/// Returns the specification of a component together with its environment.
+///
+/// # Errors
+/// A specification or protocol has errors, or the values of an input cannot be listed.
+pub fn model(
+    build: &Build,
+    plan: &Plan,
+    component: &str,
+    loader: &dyn Loader,
+    options: ReadOptions,
+) -> Result<ComponentModel, ModelError> {
+    let catalogue = build.catalogue();
+    let context = ModelContext {
+        plan,
+        loader,
+        protocols: &|name| catalogue.protocol(name),
+        options,
+    };
+    component_model(&context, component)
+}
+
+/// Describes the reason for which there is no model of a component.
+pub fn describe(error: &ModelError) -> String {
+    match error {
+        ModelError::Specification { sources, report } => rendered(report, sources),
+        ModelError::NoMainRule(_)
+        | ModelError::NoComponent(_)
+        | ModelError::NoFunction { .. }
+        | ModelError::Annotation { .. }
+        | ModelError::Unbounded { .. }
+        | ModelError::UpdatedParameter { .. }
+        | ModelError::Messages(_) => error.to_string(),
+    }
+}
+
+/// Renders findings without colour.
+pub fn rendered(report: &Report, sources: &Sources) -> String {
+    render_all(report, sources, Style::Plain)
+}
+
+/// Returns the components whose specifications state properties; all with a specification, if none does.
+pub fn components_with_properties(plan: &Plan) -> Vec<&Component> {
+    let specified = || {
+        let components = plan.components.iter();
+        components.filter(|it| matches!(it.implementation, Implementation::Asm { .. }))
+    };
+    let with_properties: Vec<&Component> = specified().filter(|it| has_properties(it)).collect();
+    if with_properties.is_empty() {
+        specified().collect()
+    } else {
+        with_properties
+    }
+}
+
+fn has_properties(component: &Component) -> bool {
+    let Implementation::Asm { file, .. } = &component.implementation else {
+        return false;
+    };
+    let opened = asmotion_lang::open(file, &DiskLoader);
+    opened.is_ok_and(|it| !it.model.invariants.is_empty() || !it.model.properties.is_empty())
+}
+
+/// Puts the results for a component in terms of its composite: locations of other components get the names of these, and
+/// rules of other components that never run are no violation.
+pub fn in_terms_of_composite(verification: &mut Verification, environment: &ModelledEnvironment) {
+    for property in &mut verification.properties {
+        if property.kind == PropertyKind::RulesRun {
+            let own = format!("({}:", environment.file);
+            for note in &mut property.notes {
+                if let Note::Also(rules) = note {
+                    rules.retain(|rule| rule.contains(&own));
+                }
+            }
+            property.notes.retain(|note| match note {
+                Note::Also(rules) => !rules.is_empty(),
+                Note::Undefined(_)
+                | Note::Fails(_)
+                | Note::Unmet(_)
+                | Note::Irrelevant(_)
+                | Note::Unfair { .. } => true,
+            });
+            if property.notes.is_empty() && !matches!(property.verdict, Verdict::Unknown) {
+                property.verdict = Verdict::Holds(None);
+            }
+        }
+        match &mut property.verdict {
+            Verdict::Holds(Some(run)) | Verdict::Violated(Some(run)) => rewrite(run, environment),
+            Verdict::Holds(None) | Verdict::Violated(None) | Verdict::Unknown => {}
+        }
+    }
+}
+
+/// The name of a location in the composite; `None` if it is part of the environment's own state.
+fn name_in_composite(location: &str, environment: &ModelledEnvironment) -> Option<String> {
+    let (function, arguments) = match location.find('(') {
+        Some(at) => location.split_at(at),
+        None => (location, ""),
+    };
+    if environment.functions.contains(function) {
+        return Some(location.to_owned());
+    }
+    let (component, declared) = environment.names.get(function)?;
+    Some(format!("{component}.{declared}{arguments}"))
+}
+
+/// The value of a location of another component, as its specification declares it.
+fn value_in_composite(value: &mut String, environment: &ModelledEnvironment) {
+    if let Some((_, declared)) = environment.names.get(value) {
+        value.clone_from(declared);
+    }
+}
+
+/// Shows inputs that the environment sets as inputs of the step that reads them.
+fn rewrite(run: &mut Run, environment: &ModelledEnvironment) {
+    let is_input = |location: &str| environment.inputs.contains_key(location);
+    let mut inputs: Vec<(String, String)> = Vec::new();
+    let initial = std::mem::take(&mut run.initial);
+    for (location, mut value) in initial {
+        if is_input(&location) {
+            inputs.push((location, value));
+        } else if let Some(name) = name_in_composite(&location, environment) {
+            value_in_composite(&mut value, environment);
+            run.initial.push((name, value));
+        }
+    }
+    for step in &mut run.steps {
+        let read = inputs.iter().filter(|(location, value)| {
+            environment
+                .inputs
+                .get(location)
+                .is_some_and(|none| none != value)
+        });
+        let read: Vec<(String, String)> = read.cloned().collect();
+        step.inputs.splice(0..0, read);
+        let updates = std::mem::take(&mut step.updates);
+        for mut update in updates {
+            if is_input(&update.location) {
+                let known = inputs
+                    .iter_mut()
+                    .find(|(location, _)| *location == update.location);
+                match known {
+                    Some((_, value)) => *value = update.after,
+                    None => inputs.push((update.location, update.after)),
+                }
+            } else if let Some(name) = name_in_composite(&update.location, environment) {
+                update.location = name;
+                value_in_composite(&mut update.before, environment);
+                value_in_composite(&mut update.after, environment);
+                step.updates.push(update);
+            }
+        }
+        // those of the environment show in its messages
+        step.choices.clear();
+    }
+    let last = inputs.into_iter().filter(|(location, value)| {
+        environment
+            .inputs
+            .get(location)
+            .is_some_and(|none| none != value)
+    });
+    if run.cycle.is_none() {
+        run.inputs.splice(0..0, last);
+    }
+}
+
+/// Adds the origin to the values of inputs in a run, for readers.
+pub fn with_origins(verification: &mut Verification, environment: &ModelledEnvironment) {
+    for property in &mut verification.properties {
+        let (Verdict::Holds(Some(run)) | Verdict::Violated(Some(run))) = &mut property.verdict
+        else {
+            continue;
+        };
+        let steps = run.steps.iter_mut().flat_map(|step| &mut step.inputs);
+        for (location, value) in steps.chain(&mut run.inputs) {
+            let origins = environment.origin(location, value);
+            if !origins.is_empty() {
+                value.push_str(&format!(" (from {})", origins.join(" or ")));
+            }
+        }
+    }
+}
+
+/// The result of a verification before the start of a composite.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StartVerification {
+    /// What is violated, not known or not possible; empty if all properties hold.
+    pub findings: Vec<String>,
+}
+
+/// Verifies the properties of a component that its key `verify` selects.
+pub fn before_start(
+    build: &Build,
+    plan: &Plan,
+    component: &Component,
+    keys: &PlannedVerify,
+    loader: &dyn Loader,
+) -> StartVerification {
+    let name = &component.name;
+    let not_possible = |reason: String| StartVerification {
+        findings: vec![format!("`{name}` cannot be verified: {reason}")],
+    };
+    let found = model(build, plan, name, loader, ReadOptions::default());
+    let ComponentModel {
+        mut specification,
+        environment,
+    } = match found {
+        Ok(model) => model,
+        Err(error) => return not_possible(describe(&error)),
+    };
+    let selects_all = !(keys.ctl || keys.ltl || keys.invariants);
+    let is_selected = |kind: PropertyKind| match kind {
+        PropertyKind::Invariant => selects_all || keys.invariants,
+        PropertyKind::Ctl => selects_all || keys.ctl,
+        PropertyKind::Ltl => selects_all || keys.ltl,
+        PropertyKind::NoFault => true,
+        PropertyKind::Possible | PropertyKind::NotStuck | PropertyKind::RulesRun => false,
+    };
+    let logic = |logic: PropertyLogic| match logic {
+        PropertyLogic::Ctl => is_selected(PropertyKind::Ctl),
+        PropertyLogic::Ltl => is_selected(PropertyKind::Ltl),
+        PropertyLogic::Constraint | PropertyLogic::Justice | PropertyLogic::Compassion => true,
+    };
+    let stated = &mut specification.model;
+    stated.properties.retain(|it| logic(it.logic));
+    let options = Options {
+        limits: Limits {
+            states: keys.states,
+            depth: keys.bound.and_then(|bound| u32::try_from(bound).ok()),
+            memory: Some(MEMORY),
+        },
+        ..Options::default()
+    };
+    let begun = Instant::now();
+    let time = Duration::from_secs_f64(keys.time_s);
+    let verified = verify(specification, &options, &mut |_| begun.elapsed() < time);
+    let mut verification = match verified {
+        Ok(verification) => verification,
+        Err(refusal) => {
+            return not_possible(rendered(&refusal.report, &refusal.specification.sources));
+        }
+    };
+    in_terms_of_composite(&mut verification, &environment);
+    with_origins(&mut verification, &environment);
+    let checked = verification
+        .properties
+        .iter()
+        .filter(|it| is_selected(it.kind));
+    let findings = checked.filter_map(|it| match &it.verdict {
+        Verdict::Holds(_) => None,
+        Verdict::Violated(run) => Some(format!(
+            "`{}` of `{name}` is violated{}",
+            it.text,
+            run.as_ref().map_or_else(String::new, |run| in_lines(run))
+        )),
+        Verdict::Unknown => Some(format!(
+            "`{}` of `{name}` is not known to hold: not all states were explored within the limits of `verify`",
+            it.text
+        )),
+    });
+    StartVerification {
+        findings: findings.collect(),
+    }
+}
+
+/// Memory for a verification before the start, in bytes.
+const MEMORY: u64 = 1 << 31;
+
+/// A run, one step on each line.
+fn in_lines(run: &Run) -> String {
+    let pairs = |pairs: &[(String, String)]| {
+        let pairs = pairs
+            .iter()
+            .map(|(location, value)| format!("{location} = {value}"));
+        pairs.collect::<Vec<_>>().join(", ")
+    };
+    let mut lines = String::new();
+    for (number, step) in run.steps.iter().enumerate() {
+        if run.cycle == Some(number) {
+            lines.push_str("\n  from here on repeated for ever");
+        }
+        lines.push_str(&format!("\n  step {} {}", number + 1, pairs(&step.inputs)));
+        for update in &step.updates {
+            let (location, before, after) = (&update.location, &update.before, &update.after);
+            lines.push_str(&format!("\n    {location}: {before} → {after}"));
+        }
+        if let Some(fault) = &step.fault {
+            lines.push_str(&format!("\n    fails: {}", fault.message));
+        }
+    }
+    if !run.inputs.is_empty() {
+        lines.push_str(&format!("\n  then {}", pairs(&run.inputs)));
+    }
+    lines
+}
+
+/// Returns `true` if specifications of a composite exchange messages with partners.
+pub fn exchanges_messages(plan: &Plan) -> bool {
+    plan.components.iter().any(|component| {
+        let Implementation::Asm { file, .. } = &component.implementation else {
+            return false;
+        };
+        let opened = asmotion_lang::open(file, &DiskLoader);
+        opened.is_ok_and(|it| !asmotion_lang::ir::message_uses(&it.model).is_empty())
+    })
+}
