@@ -241,6 +241,7 @@ pub fn before_start(
             states: keys.states,
             depth: keys.bound.and_then(|bound| u32::try_from(bound).ok()),
             memory: Some(MEMORY),
+            reserve: Some(RESERVE),
         },
         ..Options::default()
     };
@@ -278,6 +279,9 @@ pub fn before_start(
 
 /// Memory for a verification before the start, in bytes.
 const MEMORY: u64 = 1 << 31;
+
+/// Elements that `extend` may create, for a verification before the start.
+const RESERVE: usize = 8;
 
 /// A run, one step on each line.
 fn in_lines(run: &Run) -> String {

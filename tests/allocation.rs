@@ -11,7 +11,7 @@
 #[path = "../benches/machines/mission.rs"]
 mod mission;
 
-use asmotion_lang::{FirstChoice, MemoryFiles};
+use asmotion_lang::{BackEnd, FirstChoice, MemoryFiles};
 use mission::Mission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -55,15 +55,23 @@ fn a_step_asks_for_no_memory() {
     );
     let specification = asmotion_lang::open("S1_navigate.asm", &files)
         .unwrap_or_else(|failure| panic!("{failure}"));
-    let mut machine = specification.machine().unwrap();
-    let mut mission = Mission::of(&machine);
-    let mut steps = |count: usize| {
-        for _ in 0..count {
-            machine.step(&mut mission, &mut FirstChoice, 0).unwrap();
-        }
-    };
-    steps(1_000);
-    let before = COUNT.get();
-    steps(10_000);
-    assert_eq!(COUNT.get() - before, 0, "allocations in 10,000 steps");
+    // a machine that changes its back end while it runs allocates for the compilation
+    for back_end in [BackEnd::Closures, BackEnd::Native] {
+        let mut machine = specification.machine().unwrap();
+        machine.set_back_end(back_end).unwrap();
+        let mut mission = Mission::of(&machine);
+        let mut steps = |count: usize| {
+            for _ in 0..count {
+                machine.step(&mut mission, &mut FirstChoice, 0).unwrap();
+            }
+        };
+        steps(1_000);
+        let before = COUNT.get();
+        steps(10_000);
+        assert_eq!(
+            COUNT.get() - before,
+            0,
+            "allocations in 10,000 steps: {back_end:?}"
+        );
+    }
 }

@@ -10,7 +10,7 @@ use crate::actor::{
 use crate::currency::Currency;
 use crate::error::ModelError;
 use crate::glue::{Glue, parameters, sequence};
-use crate::message::{FieldVariable, Message, TakenValue};
+use crate::message::{FieldVariable, SentMessage, TakenValue};
 use crate::network::{Senders, callers, providers, writers};
 use crate::origin::ValueOrigin;
 use crate::rename::label;
@@ -453,7 +453,7 @@ impl<'a> EnvironmentWriter<'a> {
                     when: at_steps,
                 } => {
                     when = *at_steps;
-                    let message = Message::Value {
+                    let message = SentMessage::Value {
                         is_complete: !actor.is_protocol,
                         field: field.as_deref(),
                         term: x,
@@ -467,7 +467,7 @@ impl<'a> EnvironmentWriter<'a> {
                     operation,
                     field,
                 } => {
-                    let message = Message::Value {
+                    let message = SentMessage::Value {
                         is_complete: !actor.is_protocol,
                         field: field.as_deref(),
                         term: x,
@@ -577,7 +577,7 @@ impl<'a> EnvironmentWriter<'a> {
                                 effects.push(format!("renewed_{state} := true"));
                             }
                         }
-                        let message = Message::Built(&call.with);
+                        let message = SentMessage::Built(&call.with);
                         let operation = &call.operation;
                         effects.extend(self.request(
                             at,
@@ -587,7 +587,7 @@ impl<'a> EnvironmentWriter<'a> {
                         )?);
                     }
                     Action::Publish { port, value } => {
-                        effects.extend(self.publish(at, port, &Message::Built(value))?);
+                        effects.extend(self.publish(at, port, &SentMessage::Built(value))?);
                     }
                 }
             }
@@ -625,7 +625,7 @@ impl<'a> EnvironmentWriter<'a> {
         &mut self,
         at: usize,
         port: &str,
-        message: &Message<'_>,
+        message: &SentMessage<'_>,
     ) -> Result<Vec<String>, ModelError> {
         let Some(actor) = self.actor(at) else {
             return Ok(Vec::new());
@@ -663,7 +663,7 @@ impl<'a> EnvironmentWriter<'a> {
         at: usize,
         reference: &str,
         operation: &str,
-        message: &Message<'_>,
+        message: &SentMessage<'_>,
     ) -> Result<Vec<String>, ModelError> {
         let Some(actor) = self.actor(at) else {
             return Ok(Vec::new());
@@ -703,7 +703,7 @@ impl<'a> EnvironmentWriter<'a> {
         to: usize,
         receiver: &Actor,
         input: &ActorInput,
-        message: &Message<'_>,
+        message: &SentMessage<'_>,
         from: Option<(&Actor, &str)>,
     ) -> Result<Option<String>, ModelError> {
         let selected = message.selects(input);
@@ -855,7 +855,7 @@ impl<'a> EnvironmentWriter<'a> {
                 continue;
             }
             let none = BTreeMap::new();
-            if let Some(rule) = self.deliver(at, actor, input, &Message::Any(&none), None)? {
+            if let Some(rule) = self.deliver(at, actor, input, &SentMessage::Any(&none), None)? {
                 rules.push(format!(
                     "choose $sends in Boolean do if $sends then {rule} endif"
                 ));
@@ -892,7 +892,13 @@ impl<'a> EnvironmentWriter<'a> {
             let fields = self.fields(number, actor, group)?;
             let mut deliveries = Vec::new();
             for input in group {
-                deliveries.extend(self.deliver(0, actor, input, &Message::Any(&fields), None)?);
+                deliveries.extend(self.deliver(
+                    0,
+                    actor,
+                    input,
+                    &SentMessage::Any(&fields),
+                    None,
+                )?);
             }
             let mut rule = sequence(&deliveries);
             if !fields.is_empty() {

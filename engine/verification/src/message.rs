@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// A message that is sent.
 #[derive(Debug)]
-pub(crate) enum Message<'a> {
+pub(crate) enum SentMessage<'a> {
     /// The value of a function in a field; the other fields have their initial values if the message is complete.
     Value {
         is_complete: bool,
@@ -52,7 +52,7 @@ enum Part<'a> {
     Unknown,
 }
 
-impl Message<'_> {
+impl SentMessage<'_> {
     /// Returns the value that an input takes.
     pub fn value(&self, input: &ActorInput) -> TakenValue {
         let part = self.part(input.field.as_deref());
