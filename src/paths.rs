@@ -165,6 +165,20 @@ fn below(folder: &Path, kinds: &[FileKind], files: &mut Vec<PathBuf>) -> io::Res
     Ok(())
 }
 
+/// The path of a specification relative to the folder of a scenario, if both are in the same one.
+pub fn relative_specification(path: &Path, spec: &Path) -> String {
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| *parent != Path::new(""));
+        std::fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()
+    };
+    let (here, there) = (folder(path), folder(spec));
+    let name = spec.file_name().unwrap_or_default();
+    match there {
+        Some(there) if here.as_ref() != Some(&there) => there.join(name).display().to_string(),
+        _ => name.to_string_lossy().into_owned(),
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
@@ -215,19 +229,5 @@ mod tests {
         let path = folder.path().join("notes");
         let files = named_files(std::slice::from_ref(&path), &[]).unwrap();
         assert_eq!(files, [NamedFile { path, folder: None }]);
-    }
-}
-
-/// The path of a specification relative to the folder of a scenario, if both are in the same one.
-pub fn relative_specification(path: &Path, spec: &Path) -> String {
-    let folder = |path: &Path| {
-        let parent = path.parent().filter(|parent| *parent != Path::new(""));
-        std::fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()
-    };
-    let (here, there) = (folder(path), folder(spec));
-    let name = spec.file_name().unwrap_or_default();
-    match there {
-        Some(there) if here.as_ref() != Some(&there) => there.join(name).display().to_string(),
-        _ => name.to_string_lossy().into_owned(),
     }
 }

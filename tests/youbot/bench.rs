@@ -304,6 +304,12 @@ fn datum_of(sample: &dyn Sample) -> Datum {
     sample.to_datum().unwrap()
 }
 
+/// The protocol of the driver, to which its composite refers.
+const DRIVER_PROTOCOL: (&str, &str) = (
+    "driver_protocol.asm",
+    include_str!("../../specs/youbot/driver_protocol.asm"),
+);
+
 /// The composite in `specs` with these goals, in virtual time.
 pub(super) fn shipped(goals: &[[f64; 5]]) -> (Simulation, Arc<Mutex<Log>>) {
     let application = include_str!("../../specs/youbot/youbot.composite.toml");
@@ -319,6 +325,7 @@ pub(super) fn shipped(goals: &[[f64; 5]]) -> (Simulation, Arc<Mutex<Log>>) {
     files.add("youbot.asm", include_str!("../../specs/youbot/youbot.asm"));
     let driver = include_str!("../../specs/youbot/youbot_driver.composite.toml");
     files.add("youbot_driver.composite.toml", driver);
+    files.add(DRIVER_PROTOCOL.0, DRIVER_PROTOCOL.1);
     simulate(&open(&files), &files)
 }
 
@@ -368,6 +375,7 @@ impl Bench {
             application.replace("SCRIPT", &script),
         );
         files.add("driver.composite.toml", self.driver.as_str());
+        files.add(DRIVER_PROTOCOL.0, DRIVER_PROTOCOL.1);
         if let Some(inner) = &self.inner {
             files.add("inner.composite.toml", inner.as_str());
         }

@@ -72,8 +72,9 @@ fn placed(folder: &Path, processes: &[(&str, &[&str])]) -> PathBuf {
     let composite = folder.join("youbot.composite.toml");
     let deployed = format!("{patient}[deploy]\nprocesses = [\n{processes}]\n");
     std::fs::write(&composite, deployed).unwrap();
-    let specification = shipped().with_file_name("youbot.asm");
-    std::fs::copy(specification, folder.join("youbot.asm")).unwrap();
+    for file in ["youbot.asm", "driver_protocol.asm"] {
+        std::fs::copy(shipped().with_file_name(file), folder.join(file)).unwrap();
+    }
     composite
 }
 

@@ -60,7 +60,7 @@ impl<'a> EnvironmentWriter<'a> {
             let receive = self.receive(at)?;
             phases.push(self.steps(at, &receive, &effects)?);
         }
-        phases.extend(self.from_outside()?);
+        phases.extend(self.external_deliveries()?);
         let first = self.actors.first();
         if let Some(actor) = first {
             let receive = self.receive(0)?;
@@ -866,7 +866,7 @@ impl<'a> EnvironmentWriter<'a> {
 
     /// Rules for messages to the verified specification from components without a protocol, and from outside. Inputs that
     /// read the same messages get the same one.
-    fn from_outside(&mut self) -> Result<Vec<String>, ModelError> {
+    fn external_deliveries(&mut self) -> Result<Vec<String>, ModelError> {
         let Some(actor) = self.actor(0) else {
             return Ok(Vec::new());
         };

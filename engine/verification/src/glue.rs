@@ -2,6 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The arguments of a location, and its initial value.
+type InitialValue = (Vec<String>, String);
+
 /// The parts of an environment that are written as text.
 #[derive(Debug, Default)]
 pub(crate) struct Glue {
@@ -9,7 +12,7 @@ pub(crate) struct Glue {
     rules: Vec<String>,
     initial: Vec<String>,
     /// Initial values of functions with arguments: domain, and the values of locations.
-    located: BTreeMap<String, (String, Vec<(Vec<String>, String)>)>,
+    located: BTreeMap<String, (String, Vec<InitialValue>)>,
     fairness: Vec<String>,
     definitions: Vec<String>,
     /// Functions of which the environment needs to know that they were updated; `true` if only changes count.

@@ -84,8 +84,6 @@ fn a_mutant_of_each_specification_is_found() {
 #[test]
 fn a_protocol_excludes_what_the_component_does_not_do() {
     let files = Files::default();
-    let property =
-        "ag((mode = WAIT_MAP and event = MAP_OK) implies call_command = NO_CALL_COMMAND)";
     let options = Options {
         properties: vec![
             "ag(mode = STOPPING implies event != REACHED)".to_owned(),

@@ -1,4 +1,11 @@
 //! Specifications of composites with their environments.
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::disallowed_methods,
+    reason = "tests read files"
+)]
 
 mod composites;
 mod support;

@@ -23,11 +23,6 @@ impl Files {
         self.changed.push((path.to_owned(), text.replace(from, to)));
         self
     }
-
-    pub fn add(mut self, path: &str, text: &str) -> Self {
-        self.changed.push((path.to_owned(), text.to_owned()));
-        self
-    }
 }
 
 impl Loader for Files {
