@@ -224,7 +224,7 @@ fn resolve(
         [] => (0..machines.len()).collect(),
         [only] => vec![*only],
         [first, ..] => {
-            let report = report_of(SeveralMachines { text }.diagnostic());
+            let report = several_machines(machines.get_mut(*first), names, text);
             return Err((*first, report));
         }
     };
@@ -250,6 +250,19 @@ fn resolve(
         }
     }
     Err(problem.unwrap_or_default())
+}
+
+/// Describes a term about several machines, whose text becomes a source of the first one.
+fn several_machines(first: Option<&mut VerifiedMachine>, names: &[String], text: String) -> Report {
+    let file = first.map(|it| it.specification.sources.add("<property>", text.as_str()));
+    let file = file.unwrap_or_default();
+    let named = names.iter().filter_map(|name| {
+        let place = places_of(&text, name).next()?;
+        Some((name.clone(), Span::new(file, place, place + name.len())))
+    });
+    let mut machines: Vec<(String, Span)> = named.collect();
+    machines.sort_by_key(|(_, at)| at.start);
+    report_of(SeveralMachines { text, machines }.diagnostic())
 }
 
 /// Adds a term to a specification and resolves it.

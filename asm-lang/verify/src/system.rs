@@ -239,6 +239,7 @@ impl SystemSpecification {
                     .filter_map(|it| self.machines.get(it.machine))
                     .map(|it| it.name.clone())
                     .collect(),
+                has_parameters: arity > 0,
                 at: self.declared_at(machine, input),
             }),
         }
@@ -345,13 +346,8 @@ impl SystemSpecification {
             } else if function.kind == FunctionKind::Monitored
                 && !self.is_connected(environment, id)
             {
-                report.push(
-                    NothingProvided {
-                        function: function_name,
-                        at,
-                    }
-                    .diagnostic(),
-                );
+                let provided = self.provided_names(environment);
+                report.push(NothingProvided::of(function_name, at, &provided).diagnostic());
             }
         }
         if report.has_errors() {
@@ -361,10 +357,12 @@ impl SystemSpecification {
         }
     }
 
-    /// Names of the inputs of the machines other than the environment.
+    /// Names of the inputs without a source, of the machines other than the environment.
     fn input_names(&self, environment: usize) -> Vec<String> {
         let inputs = self.inputs().into_iter();
-        let names = inputs.filter(|(machine, _)| *machine != environment);
+        let names = inputs.filter(|(machine, function)| {
+            *machine != environment && !self.is_connected(*machine, *function)
+        });
         let names = names.filter_map(|(machine, function)| {
             let program = self.program(machine)?;
             Some(
@@ -374,6 +372,21 @@ impl SystemSpecification {
                     .get(function.0 as usize)?
                     .to_string(),
             )
+        });
+        names.collect()
+    }
+
+    /// Names of the functions that the machines other than the environment provide.
+    fn provided_names(&self, environment: usize) -> Vec<String> {
+        let machines = self.machines.iter().enumerate();
+        let machines = machines.filter(|(machine, _)| *machine != environment);
+        let names = machines.flat_map(|(_, machine)| {
+            let program = &machine.specification.program;
+            let provided = own_functions(program).filter(|(_, it)| is_updated(it));
+            provided.filter_map(|(id, _)| {
+                let name = program.symbols.functions.get(id.0 as usize)?;
+                Some(name.to_string())
+            })
         });
         names.collect()
     }
@@ -402,16 +415,20 @@ fn own_functions(program: &Program) -> impl Iterator<Item = (FunctionId, &Functi
     functions.map(|(index, function)| (FunctionId(index as u32), function))
 }
 
+/// Returns `true` if a function provides values for other machines.
+fn is_updated(function: &Function) -> bool {
+    match function.kind {
+        FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared => true,
+        FunctionKind::Monitored | FunctionKind::Local | FunctionKind::Fixed => false,
+    }
+}
+
 /// Returns the function of a program that provides values, with this name and number of parameters.
 fn provided(program: &Program, name: &str, arity: usize) -> Option<FunctionId> {
     let mut functions = own_functions(program);
     let found = functions.find(|(id, function)| {
-        let is_updated = match function.kind {
-            FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared => true,
-            FunctionKind::Monitored | FunctionKind::Local | FunctionKind::Fixed => false,
-        };
         let known = program.symbols.functions.get(id.0 as usize);
-        is_updated
+        is_updated(function)
             && function.parameters.len() == arity
             && known.is_some_and(|known| **known == *name)
     });

@@ -8,6 +8,7 @@
 
 mod advice;
 mod bad_input;
+mod bad_systems;
 mod counts;
 mod environments;
 mod fairness;

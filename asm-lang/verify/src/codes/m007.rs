@@ -29,16 +29,26 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct AmbiguousConnection {
     pub function: String,
     pub machines: Vec<String>,
+    /// `true` if the input has parameters, so that none is free for the name of the machine.
+    pub has_parameters: bool,
     pub at: Span,
 }
 
 impl Finding for AmbiguousConnection {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let function = &self.function;
-        diagnostic
-            .label(self.at, "an input without an argument that names the machine")
-            .help(format!(
+        let help = if self.has_parameters {
+            format!("rename `{function}` in all of these machines but one")
+        } else {
+            format!(
                 "declare `{function}` with a parameter whose values are the names of the machines, or rename a function"
-            ))
+            )
+        };
+        diagnostic
+            .label(
+                self.at,
+                "this input does not name the machine that it reads",
+            )
+            .help(help)
     }
 }

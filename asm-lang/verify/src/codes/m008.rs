@@ -21,7 +21,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(M008, error)]
-#[error("`{source_machine}` provides other values of `{input}` than its domain has")]
+#[error("`{source_machine}` provides `{input}` with another domain than the input has")]
 pub(crate) struct ConnectionMismatch {
     pub input: String,
     pub source_machine: String,
@@ -36,10 +36,8 @@ impl Finding for ConnectionMismatch {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let (expected, found) = (&self.expected, &self.found);
         diagnostic
-            .label(
-                self.at,
-                format!("this is {expected}, and {found} is provided"),
-            )
+            .label(self.at, format!("the input is {expected}"))
+            .note(format!("`{}` provides {found}", self.source_machine))
             .help("declare both with the same domains; literals correspond by name")
     }
 }

@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, similar};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean, similar};
 
 /// Environment with an out function that nothing reads
 ///
@@ -23,12 +23,13 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, similar};
 #[error("no machine reads `{function}` of the environment")]
 pub(crate) struct UnusedProvision {
     pub function: String,
+    /// The input with the most similar name, which is the same name if the numbers of parameters differ.
     pub similar: Option<String>,
     pub at: Span,
 }
 
 impl UnusedProvision {
-    /// Looks for an input with a similar name.
+    /// Looks for a similar name among the inputs that have no source.
     pub fn of(function: String, at: Span, inputs: &[String]) -> Self {
         let similar = similar(&function, inputs).cloned();
         Self {
@@ -41,13 +42,19 @@ impl UnusedProvision {
 
 impl Finding for UnusedProvision {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let diagnostic = diagnostic.label(
-            self.at,
-            "there is no input of this name and number of parameters",
-        );
+        let own = "declare it `controlled` if only the environment needs it";
         match &self.similar {
-            Some(input) => diagnostic.help(format!("the system reads `{input}`")),
-            None => diagnostic.help("declare it `controlled` if only the environment needs it"),
+            Some(input) if *input == self.function => diagnostic
+                .label(self.at, "the input of this name has other parameters")
+                .help("declare it with the parameters of the input")
+                .help(own),
+            Some(input) => diagnostic
+                .label(self.at, "no input of this name needs a value")
+                .help(did_you_mean(input))
+                .help(own),
+            None => diagnostic
+                .label(self.at, "no input of this name needs a value")
+                .help(own),
         }
     }
 }

@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span, did_you_mean, similar};
 
 /// Environment that reads something that nothing provides
 ///
@@ -22,13 +22,44 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("nothing provides `{function}`, which the environment reads")]
 pub(crate) struct NothingProvided {
     pub function: String,
+    /// The function with the most similar name, which is the same name if the numbers of parameters differ.
+    pub similar: Option<String>,
     pub at: Span,
+}
+
+impl NothingProvided {
+    /// Looks for a function of the system with a similar name.
+    pub fn of(function: String, at: Span, provided: &[String]) -> Self {
+        let similar = similar(&function, provided).cloned();
+        Self {
+            function,
+            similar,
+            at,
+        }
+    }
 }
 
 impl Finding for NothingProvided {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
-            .label(self.at, "the system has no controlled, out or shared function of this name and number of parameters")
-            .help("name a function of the system, or choose a value: `choose $x in D with true do …`")
+        let own = "a value that the environment decides itself is chosen: `choose $x in D with true do …`";
+        match &self.similar {
+            Some(function) if *function == self.function => diagnostic
+                .label(
+                    self.at,
+                    "the function of this name in the system has other parameters",
+                )
+                .help("declare it with the parameters of the function")
+                .help(own),
+            Some(function) => diagnostic
+                .label(self.at, "the system has no function of this name")
+                .help(did_you_mean(function))
+                .help(own),
+            None => diagnostic
+                .label(
+                    self.at,
+                    "the system has no controlled, out or shared function of this name",
+                )
+                .help(own),
+        }
     }
 }

@@ -32,10 +32,15 @@ pub(crate) struct MailboxOverflow {
 impl Finding for MailboxOverflow {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let (receiver, bound) = (&self.receiver, self.bound);
+        let waiting = if bound == 1 {
+            "1 message waits".to_owned()
+        } else {
+            format!("{bound} messages wait")
+        };
         diagnostic
             .label(
                 self.at,
-                format!("sends while {bound} messages wait for `{receiver}`"),
+                format!("a step of this rule sends while {waiting} for `{receiver}`"),
             )
             .help("receive every message, wait for replies, or set a larger bound with `--mailbox`")
     }

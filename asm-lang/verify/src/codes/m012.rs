@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Property about the locations of several machines
 ///
@@ -27,10 +27,16 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[error("`{text}` is about several machines")]
 pub(crate) struct SeveralMachines {
     pub text: String,
+    /// Names of the machines, each with a place in the text where a location of it is meant.
+    pub machines: Vec<(String, Span)>,
 }
 
 impl Finding for SeveralMachines {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.help("add a specification that observes both: its monitored functions read those of the same names")
+        let labels = self.machines.iter();
+        let diagnostic = labels.fold(diagnostic, |diagnostic, (name, at)| {
+            diagnostic.label(*at, format!("a location of `{name}`"))
+        });
+        diagnostic.help("verify a further specification that observes them: its monitored functions read those of the same names")
     }
 }
