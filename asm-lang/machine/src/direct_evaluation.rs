@@ -12,8 +12,8 @@ impl Machine {
     /// number of steps. Requires [`Machine::can_revert`]. Returns the updates; [`Machine::last_step`] has the rest of the
     /// record, without previous values. Invariants of the next state are not checked.
     ///
-    /// Elements created by `extend` do not exist after the evaluation. Where [`Step::extended`] is not empty, a step is
-    /// necessary to reach the next state.
+    /// Elements created by `extend` do not exist after the evaluation. Where [`crate::Step::extended`] is not empty, a step
+    /// is necessary to reach the next state.
     ///
     /// # Errors
     /// The step has no next state.

@@ -4,6 +4,7 @@
 use asmotion_composite::AsmFiles;
 use asmotion_composite::signature::{
     Codomain, FunctionInfo, FunctionKind, ParameterInfo, Signature, Specifications,
+    StatedProperties,
 };
 use asmotion_diagnostics::{Loader, Report, Sources, Span};
 
@@ -136,6 +137,11 @@ impl Scanner {
 }
 
 impl Signature for Scanner {
+    /// Specifications with properties import libraries, so the scanner does not read them.
+    fn stated_properties(&self) -> Option<StatedProperties> {
+        Some(StatedProperties::default())
+    }
+
     fn functions(&self) -> Vec<FunctionInfo> {
         let functions = self
             .functions
