@@ -20,7 +20,7 @@ pub struct GroundAlternative {
     pub choices: Vec<GroundChoice>,
     /// The alternative exists where all guards are true, each evaluated only if those before it are true. Undef is a fault.
     pub guards: Vec<GroundTerm>,
-    /// What it does; contains no `choose`.
+    /// Effect of the alternative; contains no `choose`.
     pub rule: GroundRule,
 }
 

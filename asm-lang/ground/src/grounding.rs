@@ -23,7 +23,7 @@ const MAX_NESTED: usize = 200;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLarge;
 
-/// What grounding needs to know besides the program.
+/// Inputs of grounding besides the program.
 pub struct GroundingContext<'a> {
     /// The program. Its initial state must not depend on inputs.
     pub program: &'a Program,

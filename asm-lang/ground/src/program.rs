@@ -152,7 +152,7 @@ pub enum GroundTerm {
     If(Box<GroundTerm>, Box<GroundTerm>, Box<GroundTerm>),
     /// The element `Σ (argument − low) · stride` of a table.
     Table {
-        /// The arguments.
+        /// Arguments, each with its lower bound and stride.
         indices: Vec<TableIndex>,
         /// The elements; variables or constants.
         elements: Vec<GroundTerm>,

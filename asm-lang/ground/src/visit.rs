@@ -3,7 +3,7 @@
 use crate::program::{FAULT, GroundCandidate, GroundRule, GroundTarget, GroundTerm, TableIndex};
 use std::collections::BTreeSet;
 
-/// What a term or rule may access.
+/// Variables and inputs that a term or rule may access.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Accesses {
     /// Indices of the state variables that it may read.

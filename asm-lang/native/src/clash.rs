@@ -14,7 +14,7 @@ use asmotion_value::Value;
 /// Limit for the number of updates of one function.
 const MAX_SITES: usize = 1_000;
 
-/// What is known about a value.
+/// Facts that an analysis has proved of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Known {
     Constant(i64),

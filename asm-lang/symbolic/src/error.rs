@@ -20,7 +20,7 @@ pub enum SymbolicError {
     Input {
         /// Place at which it is read.
         origin: Origin,
-        /// The input.
+        /// Monitored or shared function without a finite range.
         function: FunctionId,
     },
 }

@@ -20,7 +20,7 @@ pub(crate) struct Tableau<'a> {
     atoms: &'a [Bdd],
     /// Each variable with its bit, and the function that it announces or recalls.
     variables: Vec<(Elementary, BitIndex, Bdd)>,
-    /// What must hold infinitely often for each until.
+    /// Condition of each until that must hold infinitely often.
     promises: Vec<Bdd>,
 }
 

@@ -21,7 +21,7 @@ const MAX_ROUNDS: usize = 300;
 pub(crate) struct Condition {
     pub yes: Bdd,
     pub undef: Bdd,
-    /// Where its evaluation fails.
+    /// States in which its evaluation fails.
     pub fails: Bdd,
 }
 
