@@ -23,6 +23,12 @@ signature:
 definitions:
 	domain N = {0 : 3}
 
+	macro rule r_giveUp =
+		par
+			recovery := HUMAN
+			mode := GIVE_UP
+		endpar
+
 	macro rule r_fail =
 		if retries < 3 then
 			par
@@ -39,15 +45,28 @@ definitions:
 				mode := RECOVERING
 			endpar
 		else
-			mode := GIVE_UP
+			r_giveUp[]
 		endif
 
 	// a retry must cancel the previous call, or else the action may be executed twice (PlanSys2 #400)
 	//@Final SUCCESS GIVE_UP
-	CTLSPEC ag((sendCall and outstanding) implies mode = WAIT)
-	CTLSPEC ag(mode = CALL implies not outstanding)
-	CTLSPEC ag(mode = RECOVERING implies not outstanding)
-	CTLSPEC ag(mode = GIVE_UP implies retries = 3)
+	CTLSPEC ag(sendCall implies (mode = WAIT and outstanding))
+	CTLSPEC ag(not (sendCall and cancelCall))
+	CTLSPEC ag(mode = CALL implies not cancelCall)
+	CTLSPEC ag(mode = WAIT iff outstanding)
+	CTLSPEC ag(mode = CALL implies ax(sendCall and mode = WAIT))
+	CTLSPEC ag((mode = WAIT and not (reply != NONE and replyIsForMe) and deadlinePassed) implies ax(cancelCall))
+	CTLSPEC ag((mode = WAIT and not (reply != NONE and replyIsForMe) and not deadlinePassed) implies ax(mode = WAIT and not sendCall))
+	CTLSPEC ag((mode = WAIT and reply = OK and replyIsForMe) implies ax(mode = SUCCESS))
+	CTLSPEC ag((mode = WAIT and reply = TRANSIENT and replyIsForMe and retries < 3) implies ax(mode = RECOVERING))
+	CTLSPEC ag((mode = WAIT and reply = FATAL and replyIsForMe) implies ax(mode = GIVE_UP))
+	CTLSPEC ag((mode = RECOVERING and recoveryDone) implies ax(mode = CALL))
+	CTLSPEC ag((mode = RECOVERING and not recoveryDone) implies ax(mode = RECOVERING))
+	CTLSPEC ag((mode = RECOVERING and retries = 1) implies recovery = CLEAR_MAP)
+	CTLSPEC ag((mode = RECOVERING and retries = 2) implies recovery = SPIN)
+	CTLSPEC ag((mode = RECOVERING and retries = 3) implies recovery = BACK_UP)
+	CTLSPEC ag(mode = GIVE_UP implies (retries = 3 and recovery = HUMAN))
+	CTLSPEC ef(mode = RECOVERING and retries = 3)
 	CTLSPEC ag(ef(mode = GIVE_UP or mode = SUCCESS))
 
 	main rule r_Main =
@@ -55,7 +74,6 @@ definitions:
 			case CALL:
 				par
 					sendCall := true
-					cancelCall := false
 					outstanding := true
 					mode := WAIT
 				endpar
@@ -68,7 +86,7 @@ definitions:
 							if reply = OK then
 								mode := SUCCESS
 							else if reply = FATAL then
-								par retries := 3  mode := GIVE_UP endpar
+								par retries := 3  r_giveUp[] endpar
 							else
 								r_fail[]
 							endif endif

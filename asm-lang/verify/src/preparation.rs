@@ -407,6 +407,8 @@ impl Preparation<'_> {
 
     fn given(&mut self, given: GivenTerm) {
         match given.usage {
+            // the property of the file with this text is selected instead
+            GivenUse::Property if self.has_property(&given.text) => {}
             GivenUse::Property => {
                 let kind = match self.formulas.logic(&given.term.root) {
                     Some(Logic::Ctl) => PropertyKind::Ctl,
@@ -427,6 +429,10 @@ impl Preparation<'_> {
                 self.prepared.ends.push(formula);
             }
         }
+    }
+
+    fn has_property(&self, text: &str) -> bool {
+        self.prepared.properties.iter().any(|it| it.text == text)
     }
 
     fn property(
