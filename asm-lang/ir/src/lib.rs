@@ -11,6 +11,7 @@ mod codes;
 mod counter;
 mod cover;
 mod id;
+mod indexed;
 mod interval;
 mod lower;
 mod program;
@@ -21,6 +22,7 @@ pub use code::*;
 pub use codes::CODES;
 pub use counter::{Counted, Counter, CoveragePoint};
 pub use id::*;
+pub use indexed::IndexedGuard;
 pub use interval::IntegerInterval;
 pub use lower::{
     Lowered, MessageRole, MessageUse, UnreachedLiteral, applied_functions, lower, lower_with,

@@ -1,6 +1,7 @@
 //! Lowering: translates a model to a program.
 
 mod call;
+mod constant;
 mod domain;
 mod facts;
 mod frame;
@@ -31,9 +32,12 @@ use frame::LoweringFrame;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Default limit of slots for a function: most locations of a larger one are usually never
+/// Default limit of eager slots for a function: most locations of a larger one are usually never
 /// accessed.
 const MAX_DENSE: u32 = 1 << 16;
+
+/// Default limit of lazy slots for a function. That many take 100 MB.
+const MAX_LAZY: u32 = 1 << 21;
 
 /// A program with the source spans of its parts.
 #[derive(Debug)]
@@ -46,22 +50,22 @@ pub struct Lowered {
     pub warnings: Report,
 }
 
-/// Lowers a model with the default limit for slots.
+/// Lowers a model with the default limits for slots.
 ///
 /// # Errors
 /// A macro cannot be specialised, a domain depends on itself, or a message does not fit its
 /// receiver.
 pub fn lower(model: &Model) -> Result<Lowered, Report> {
-    lower_with(model, MAX_DENSE)
+    lower_with(model, MAX_DENSE, MAX_LAZY)
 }
 
-/// Lowers a model, interning the locations of functions that have more than `dense` of them. The
-/// limit affects performance only, not the run. Functions without arguments always have a slot.
+/// Lowers a model. Functions with more than `dense` locations have lazy slots, or interned locations if they have more than
+/// `lazy`. The limits affect performance only, not the run. Functions without arguments always have a slot.
 ///
 /// # Errors
 /// As [`lower`].
-pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
-    let mut lowering = Lowering::new(model, dense);
+pub fn lower_with(model: &Model, dense: u32, lazy: u32) -> Result<Lowered, Report> {
+    let mut lowering = Lowering::new(model, dense, lazy);
     lowering.layout();
     lowering.definitions();
     lowering.initial_state();
@@ -104,12 +108,14 @@ struct Lowering<'a> {
     expansions: usize,
     /// `true` once unbounded growth of such terms was reported.
     has_grown: bool,
-    /// Functions with more locations than this are interned.
+    /// Functions with more locations than this have no eager slots.
     dense: u64,
+    /// Functions with more locations than this have no lazy slots.
+    lazy: u64,
 }
 
 impl<'a> Lowering<'a> {
-    fn new(model: &'a Model, dense: u32) -> Self {
+    fn new(model: &'a Model, dense: u32, lazy: u32) -> Self {
         let names = |names: &mut dyn Iterator<Item = &Arc<str>>| names.cloned().collect();
         let symbols = Symbols {
             atoms: names(&mut model.atoms.iter().map(|atom| &atom.name)),
@@ -164,6 +170,7 @@ impl<'a> Lowering<'a> {
             expansions: 0,
             has_grown: false,
             dense: u64::from(dense.max(1)),
+            lazy: u64::from(lazy),
         }
     }
 

@@ -126,6 +126,8 @@ pub struct Domain {
     pub base: Option<DomainId>,
     /// `true` if `extend` can add elements: the domain is abstract, or a subset of an abstract one.
     pub grows: bool,
+    /// `true` if some rule of the program adds elements.
+    pub is_extended: bool,
 }
 
 /// The elements of a domain, as far as known at compile time.

@@ -5,6 +5,7 @@
 
 mod collection;
 mod counted;
+mod indexed;
 mod location;
 mod number;
 mod pick;

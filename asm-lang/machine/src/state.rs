@@ -14,10 +14,12 @@
 
 mod locations;
 mod memo;
+mod range_index;
 mod store;
 
 pub(crate) use locations::Locations;
 pub(crate) use memo::Memo;
+pub(crate) use range_index::{IndexKey, IndexState, RangeIndex};
 pub(crate) use store::Store;
 
 use asmotion_ir::{DomainId, FunctionId, Program, Slot, Storage};

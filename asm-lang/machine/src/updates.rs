@@ -249,6 +249,12 @@ impl Updates {
         layer
     }
 
+    /// Returns `true` outside of sequences: the state is that before the step.
+    #[inline]
+    pub fn is_outermost(&self) -> bool {
+        self.depth == 0
+    }
+
     /// Returns `true` if the layer's set is empty.
     pub fn is_empty(&self, layer: &Layer) -> bool {
         self.list.len() == layer.start && self.extended.len() == layer.extended

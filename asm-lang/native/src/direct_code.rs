@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Limit for the number of updates of a direct step.
-const MAX_UPDATES: u64 = 1 << 20;
+const MAX_UPDATES: u64 = 1 << 23;
 
 /// The code of a direct rule, which has no detours: it gives up instead.
 pub(crate) struct DirectCode {

@@ -21,6 +21,7 @@ mod frame;
 mod limits;
 mod location;
 mod memory;
+mod range_guard;
 mod rule;
 mod sequence;
 mod static_analysis;

@@ -8,3 +8,6 @@ pub(crate) const FEW_RULES: usize = 200;
 
 /// Limit for the nesting of inlined macros and unfolded definitions.
 pub(crate) const MAX_INLINED: usize = 48;
+
+/// Number of elements from which on a range within a loop is left to closures, which have an index for it.
+pub(crate) const MIN_INDEXED: u64 = 64;

@@ -4,6 +4,7 @@ use crate::clash::routine_of_atoms;
 use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, Loops, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::limits::MAX_INLINED;
+use crate::range_guard::RangeGuard;
 use crate::static_analysis::{StaticRange, counts, is_repeatable, rule_counts};
 use asmotion_ir::{
     AssignTarget, Binder, IntegerInterval, Local, Origin, RoutineId, Rule, RuleNode, Term, TermNode,
@@ -30,6 +31,8 @@ pub(crate) enum Counting {
     Bounded,
     /// One by one, in a term; exceeding the limit is left to the detour.
     EachInTerm,
+    /// One by one, in a rule, those that satisfy the equation that an index answers.
+    Satisfying,
 }
 
 impl Emitter<'_> {
@@ -292,20 +295,27 @@ impl Emitter<'_> {
         let Some(spans) = self.spans(binders) else {
             return self.rule_outside(rule);
         };
-        let each = guard.is_some_and(|guard| counts(self.program, guard))
+        let guard = self.range_guard(binders, guard);
+        if self.is_left_to_index(&guard, &spans) {
+            return self.rule_outside(rule);
+        }
+        let each = guard.counts(self.program)
             || rule_counts(self.program, body)
             || total(&spans) > u64::from(MAX_BINDINGS);
-        let counting = if each {
+        let counting = if guard.is_indexed() {
+            Counting::Satisfying
+        } else if each {
             Counting::EachInRule
         } else {
             Counting::Together
         };
         let native = |this: &mut Self| {
             this.each(&spans, counting, &mut |this, next| {
-                this.guarded(guard, next);
-                match guard {
-                    Some(_) => this.conditionally(|this| this.rule(body)),
-                    None => this.rule(body),
+                this.range_guarded(&guard, true, &spans, next);
+                if guard.is_always() {
+                    this.rule(body);
+                } else {
+                    this.conditionally(|this| this.rule(body));
                 }
                 this.jump(next);
             });
@@ -314,7 +324,7 @@ impl Emitter<'_> {
     }
 
     /// Continues only if the guard holds; otherwise jumps.
-    fn guarded(&mut self, guard: Option<&Term>, otherwise: Block) {
+    pub fn guarded(&mut self, guard: Option<&Term>, otherwise: Block) {
         if let Some(guard) = guard {
             let holds = self.block();
             self.guard(guard, holds, otherwise);
@@ -335,10 +345,15 @@ impl Emitter<'_> {
         let Some(spans) = self.spans(binders) else {
             return self.rule_outside(rule);
         };
+        let guard = self.range_guard(binders, guard);
+        if self.is_left_to_index(&guard, &spans) {
+            return self.rule_outside(rule);
+        }
         let total = total(&spans);
-        let each = guard.is_some_and(|guard| counts(self.program, guard))
-            || total > u64::from(MAX_BINDINGS / 2);
-        let counting = if each {
+        let each = guard.counts(self.program) || total > u64::from(MAX_BINDINGS / 2);
+        let counting = if guard.is_indexed() {
+            Counting::Satisfying
+        } else if each {
             Counting::EachInRule
         } else {
             Counting::Checked
@@ -349,12 +364,13 @@ impl Emitter<'_> {
                 let before = this.bindings();
                 this.bail_if_many(before, 2 * total);
             }
-            let chosen = this.chosen_index(&spans, counting, guard, rule.origin);
+            let chosen = this.chosen_index(&spans, counting, &guard, rule.origin);
             let seen = this.builder.declare_var(I64);
             let none = this.number(I64, 0);
             this.builder.def_var(seen, none);
+            let counts = !guard.is_answered();
             this.each(&spans, counting, &mut |this, next| {
-                this.guarded(guard, next);
+                this.range_guarded(&guard, counts, &spans, next);
                 let (skip, found) = (this.block(), this.block());
                 let so_far = this.builder.use_var(seen);
                 let earlier = this
@@ -368,6 +384,9 @@ impl Emitter<'_> {
                 this.jump(next);
                 this.begin(found);
                 this.count_up_to_here();
+                if !counts {
+                    this.count_satisfying(&spans);
+                }
                 this.conditionally(|this| this.rule(body));
                 this.jump(done);
             });
@@ -381,7 +400,7 @@ impl Emitter<'_> {
         &mut self,
         spans: &[BoundRange],
         counting: Counting,
-        guard: Option<&Term>,
+        guard: &RangeGuard<'_>,
         origin: Origin,
     ) -> Ssa {
         let (count_all, ask, known) = (self.block(), self.block(), self.block());
@@ -402,8 +421,9 @@ impl Emitter<'_> {
         self.begin(count_all);
         let count = self.builder.declare_var(I64);
         self.builder.def_var(count, none);
+        let counts = !guard.is_answered();
         self.each(spans, counting, &mut |this, next| {
-            this.guarded(guard, next);
+            this.range_guarded(guard, counts, spans, next);
             let so_far = this.builder.use_var(count);
             let one_more = this.builder.ins().iadd_imm_s(so_far, 1);
             this.builder.def_var(count, one_more);
@@ -446,7 +466,10 @@ impl Emitter<'_> {
         };
         let before = match counting {
             Counting::Together | Counting::Checked => Some(self.bindings()),
-            Counting::EachInRule | Counting::EachInTerm | Counting::Bounded => None,
+            Counting::EachInRule
+            | Counting::EachInTerm
+            | Counting::Satisfying
+            | Counting::Bounded => None,
         };
         if let (Counting::Together, Some(before)) = (counting, before) {
             self.bail_if_many(before, total(spans));
@@ -538,9 +561,18 @@ impl Emitter<'_> {
         self.begin(done);
     }
 
+    /// Counts a binding that satisfies the equation of an index. In a direct rule, all bindings are counted at compile time.
+    pub fn count_satisfying(&mut self, spans: &[BoundRange]) {
+        if let (None, Some((_, _, origin))) = (&self.direct, spans.first()) {
+            self.count_one(Counting::EachInRule, *origin);
+        }
+    }
+
     fn count_one(&mut self, counting: Counting, origin: Origin) {
         match counting {
-            Counting::Together | Counting::Checked | Counting::Bounded => return,
+            Counting::Together | Counting::Checked | Counting::Satisfying | Counting::Bounded => {
+                return;
+            }
             Counting::EachInRule | Counting::EachInTerm => {}
         }
         let before = self.bindings();

@@ -2,8 +2,8 @@
 
 use crate::emit::{Emitter, KnownValue};
 use asmotion_ir::{
-    BinderRange, BodyId, DomainElements, DomainId, FunctionKind, Program, RoutineId, Rule,
-    RuleNode, Term, TermNode, ValueKind,
+    BinderRange, BodyId, DomainElements, FunctionKind, Program, RoutineId, Rule, RuleNode, Term,
+    TermNode, ValueKind,
 };
 use asmotion_value::Value;
 
@@ -99,7 +99,9 @@ impl Emitter<'_> {
             BinderRange::Atoms(first, count) => Some(StaticRange::Atoms(*first, *count)),
             BinderRange::Bools => Some(StaticRange::Bools),
             BinderRange::Domain(domain) => match self.program.domains[domain.0 as usize].elements {
-                DomainElements::Atoms { first, count } if !grows(self.program, *domain) => {
+                DomainElements::Atoms { first, count }
+                    if !self.program.domains[domain.0 as usize].is_extended =>
+                {
                     Some(StaticRange::Atoms(first.0, count))
                 }
                 DomainElements::Atoms { .. }
@@ -111,28 +113,6 @@ impl Emitter<'_> {
             BinderRange::Elements(_) => None,
         }
     }
-}
-
-/// Returns `true` if some rule extends a domain.
-fn grows(program: &Program, domain: DomainId) -> bool {
-    let reaches = |mut extended: DomainId| {
-        for _ in 0..=program.domains.len() {
-            if extended == domain {
-                return true;
-            }
-            match program.domains[extended.0 as usize].base {
-                Some(base) => extended = base,
-                None => return false,
-            }
-        }
-        true
-    };
-    program.routines.iter().any(|routine| {
-        any_rule(
-            &routine.code,
-            &mut |rule| matches!(&*rule.node, RuleNode::Extend(extended, ..) if reaches(*extended)),
-        )
-    })
 }
 
 /// Returns `true` if evaluating a term twice has the same effect as evaluating it once: it neither
@@ -160,13 +140,9 @@ pub(crate) fn counts(program: &Program, term: &Term) -> bool {
 /// Returns `true` if running a rule may bind variables to elements of a range, which is counted.
 pub(crate) fn rule_counts(program: &Program, rule: &Rule) -> bool {
     fn search(program: &Program, rule: &Rule, seen: &mut Vec<RoutineId>) -> bool {
-        any_rule(rule, &mut |rule| {
-            let mut terms = rule.node.clone();
-            if terms
-                .terms_mut()
-                .into_iter()
-                .any(|term| counts(program, term))
-            {
+        rule.any(&mut |rule| {
+            let terms = rule.node.terms();
+            if terms.into_iter().any(|term| counts(program, term)) {
                 return true;
             }
             match &*rule.node {
@@ -209,38 +185,17 @@ fn reaches(
     seen: &mut Vec<BodyId>,
     is_it: &dyn Fn(&TermNode) -> bool,
 ) -> bool {
-    fn search(
-        program: &Program,
-        node: &mut TermNode,
-        seen: &mut Vec<BodyId>,
-        is_it: &dyn Fn(&TermNode) -> bool,
-    ) -> bool {
-        if is_it(node) {
+    if is_it(&term.node) {
+        return true;
+    }
+    if let TermNode::Call(body, _) = &*term.node
+        && !seen.contains(body)
+    {
+        seen.push(*body);
+        if reaches(program, &program.bodies[body.0 as usize].code, seen, is_it) {
             return true;
         }
-        if let TermNode::Call(body, _) = node
-            && !seen.contains(body)
-        {
-            seen.push(*body);
-            if reaches(program, &program.bodies[body.0 as usize].code, seen, is_it) {
-                return true;
-            }
-        }
-        let mut parts = node.terms_mut().into_iter();
-        parts.any(|part| search(program, &mut part.node, seen, is_it))
     }
-    search(program, &mut term.node.clone(), seen, is_it)
-}
-
-/// Returns `true` if a rule is or contains one that satisfies `is_it`.
-fn any_rule(rule: &Rule, is_it: &mut dyn FnMut(&Rule) -> bool) -> bool {
-    fn search(rule: &mut Rule, is_it: &mut dyn FnMut(&Rule) -> bool) -> bool {
-        is_it(rule)
-            || rule
-                .node
-                .rules_mut()
-                .into_iter()
-                .any(|inner| search(inner, is_it))
-    }
-    search(&mut rule.clone(), is_it)
+    let mut parts = term.node.terms().into_iter();
+    parts.any(|part| reaches(program, part, seen, is_it))
 }

@@ -29,7 +29,20 @@ impl Lowering<'_> {
                 elements,
                 base,
                 grows,
+                is_extended: false,
             });
+        }
+    }
+
+    /// Notes that a rule adds elements to a domain, and thereby to those that it is a subset of.
+    pub(super) fn extends(&mut self, domain: DomainId) {
+        let mut extended = Some(domain);
+        while let Some(id) = extended {
+            let domain = &mut self.program.domains[id.0 as usize];
+            if std::mem::replace(&mut domain.is_extended, true) {
+                return;
+            }
+            extended = domain.base;
         }
     }
 

@@ -6,6 +6,9 @@ use crate::program::{AxisRange, DomainElements, Function, FunctionKind, SlotAxis
 use asmotion_hir::{Meaning, Type, TypeId};
 use asmotion_stdlib::MessageQuery;
 
+/// Limit for the lazy slots of all functions over finite domains, as a multiple of the limit for one function.
+const MAX_LARGE: u64 = 4;
+
 impl Lowering<'_> {
     /// Assigns storage to every function, in order of declaration.
     pub(super) fn layout(&mut self) {
@@ -59,12 +62,44 @@ impl Lowering<'_> {
         }
     }
 
-    /// Allocates slots for all locations with arguments in these ranges, unless there are too many.
+    /// Allocates lazy slots for functions over finite domains that are too large for eager ones.
+    fn large_layout(&mut self) {
+        let mut room = self.lazy.saturating_mul(MAX_LARGE);
+        for (index, function) in self.model.functions.iter().enumerate() {
+            let id = asmotion_hir::FunctionId(index as u32);
+            let is_large = self.program.functions[index].storage == Storage::Interned
+                && function.kind != asmotion_hir::FunctionKind::Local
+                && !(function.initial.is_some() && order::is_recursive(self.model, id));
+            let ranges = function.parameters.iter().map(|&ty| self.axis(ty));
+            let Some(ranges) = ranges.collect::<Option<Vec<_>>>().filter(|_| is_large) else {
+                continue;
+            };
+            if let Storage::Dense {
+                base, count, axes, ..
+            } = self.dense_within(ranges, self.lazy.min(room))
+            {
+                room -= u64::from(count);
+                self.program.dense.push(FunctionId(index as u32));
+                self.program.functions[index].storage = Storage::Dense {
+                    base,
+                    count,
+                    axes,
+                    lazy: true,
+                };
+            }
+        }
+    }
+
     fn dense(&mut self, ranges: Vec<AxisRange>) -> Storage {
+        self.dense_within(ranges, self.dense)
+    }
+
+    /// Allocates slots for all locations with arguments in these ranges, unless there are more than `limit`.
+    fn dense_within(&mut self, ranges: Vec<AxisRange>, limit: u64) -> Storage {
         let count = ranges.iter().try_fold(1u64, |product, range| {
             product
                 .checked_mul(u64::from(range.count()))
-                .filter(|&product| product <= self.dense)
+                .filter(|&product| product <= limit)
         });
         let Some(count) = count.filter(|&count| count > 0) else {
             return Storage::Interned;
@@ -90,14 +125,15 @@ impl Lowering<'_> {
         }
     }
 
-    /// Allocates slots for functions over infinite domains, for the arguments that the program is
-    /// known to use. Such a location gets its value on first access, like an interned one.
+    /// Allocates lazy slots: for large functions, and for functions over infinite domains, for the arguments that the
+    /// program is known to use. Such a location gets its value on first access, like an interned one.
     pub(super) fn lazy_layout(&mut self) {
         self.program.eager = self.program.slots;
         if self.model.compatible {
             // in this mode, the order of first accesses is observable
             return;
         }
+        self.large_layout();
         let used = reach::arguments(&self.program);
         for (id, used) in used {
             let index = id.0 as usize;

@@ -383,6 +383,7 @@ impl ReachAnalysis<'_> {
                     elements: DomainElements::Computed(_) | DomainElements::Undefined,
                     base,
                     grows,
+                    ..
                 } => base.is_none() && !grows,
                 _ => false,
             },

@@ -102,7 +102,9 @@ impl Lowering<'_> {
                     .map(|&variable| frame.bind(variable))
                     .collect();
                 let body = self.with_state(variables, body, frame);
-                RuleNode::Extend(domain::id(*extended), locals, body)
+                let extended = domain::id(*extended);
+                self.extends(extended);
+                RuleNode::Extend(extended, locals, body)
             }
             RuleKind::While(guard, body) => RuleNode::While {
                 guard: Some(self.term(guard, frame)),

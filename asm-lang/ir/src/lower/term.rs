@@ -2,7 +2,7 @@
 
 use super::frame::{LoweringFrame, VariableBinding};
 use super::rule::at;
-use super::{Lowering, domain, function_id};
+use super::{Lowering, constant, domain, function_id};
 use crate::code::{
     Arithmetic, AssignTarget, Binder, BinderRange, Comparison, Connective, Term, TermNode,
     ValueKind,
@@ -131,7 +131,11 @@ impl Lowering<'_> {
                 TermNode::Quantified(*quantifier, binders, guard)
             }
             TermKind::Listed(collection, items) => {
-                TermNode::Listed(*collection, self.terms(items, frame))
+                let items = self.terms(items, frame);
+                match constant::listed(*collection, &items) {
+                    Some(value) => TermNode::Constant(value),
+                    None => TermNode::Listed(*collection, items),
+                }
             }
             TermKind::Interval(collection, from, to, step) => {
                 let from = self.term(from, frame);
@@ -150,7 +154,10 @@ impl Lowering<'_> {
                     let key = self.term(key, frame);
                     lowered.push((key, self.term(value, frame)));
                 }
-                TermNode::Map(lowered)
+                match constant::map(&lowered) {
+                    Some(value) => TermNode::Constant(value),
+                    None => TermNode::Map(lowered),
+                }
             }
             TermKind::MapComprehension(binders, guard, key, value) => {
                 let binders = self.binders(binders, frame);
@@ -345,8 +352,12 @@ impl Lowering<'_> {
     }
 
     fn slot(&self, function: FunctionId, arguments: &[Term]) -> Option<Slot> {
-        let Storage::Dense { base, axes, .. } =
-            &self.program.functions[function.0 as usize].storage
+        let Storage::Dense {
+            base,
+            axes,
+            lazy: false,
+            ..
+        } = &self.program.functions[function.0 as usize].storage
         else {
             return None;
         };

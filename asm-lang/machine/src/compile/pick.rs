@@ -1,5 +1,6 @@
 //! Candidates of a `choose` with variables that are picked from outside.
 
+use super::indexed::Elements;
 use super::range::{RangeCode, Ranges};
 use crate::fault::FaultKind;
 use crate::run::{KleeneTruth, StepContext};
@@ -12,6 +13,10 @@ pub(super) struct Candidates<'a> {
     ranges: &'a Ranges,
     /// The picked values, indexed by variable; `None` if no value was picked.
     picked: Option<Vec<Option<Value>>>,
+    /// The elements that satisfy an equation in the guard, if there is an index.
+    elements: Option<Elements>,
+    /// `true` if the equation is the whole guard. Only the candidate that is taken counts as a binding.
+    pub is_answered: bool,
 }
 
 impl<'a> Candidates<'a> {
@@ -19,16 +24,36 @@ impl<'a> Candidates<'a> {
         let picked = |(_, _, range): &(_, _, Origin)| run.chooser.picked(*range);
         let is_picked = ranges.binders.iter().any(|binder| picked(binder).is_some());
         if !is_picked {
-            let picked = None;
-            return Self { ranges, picked };
+            let elements = ranges.elements(run);
+            let is_answered = ranges
+                .indexed
+                .as_ref()
+                .zip(elements.as_ref())
+                .is_some_and(|(indexed, elements)| indexed.is_answered(elements));
+            return Self {
+                ranges,
+                picked: None,
+                elements,
+                is_answered,
+            };
         }
         let picked: Vec<Option<Value>> = ranges.binders.iter().map(picked).collect();
         for ((_, _, range), value) in ranges.binders.iter().zip(&picked) {
             let value = value.clone().map(|value| (*range, value));
             run.record.picked.extend(value);
         }
-        let picked = Some(picked);
-        Self { ranges, picked }
+        Self {
+            ranges,
+            picked: Some(picked),
+            elements: None,
+            is_answered: false,
+        }
+    }
+
+    /// Returns all candidates if an index lists them.
+    pub fn listed(&self) -> Option<&[Value]> {
+        let elements = self.elements.as_ref().filter(|_| self.is_answered);
+        elements.and_then(Elements::listed)
     }
 
     /// Returns the picked values, if there are any.
@@ -36,15 +61,63 @@ impl<'a> Candidates<'a> {
         Some(self.picked?.into_iter().flatten().collect())
     }
 
+    /// Returns the number of candidates.
+    pub fn count(&self, run: &mut StepContext<'_>) -> usize {
+        if let Some(listed) = self.listed() {
+            return listed.len();
+        }
+        let mut count = 0;
+        self.each(run, &mut |_| {
+            count += 1;
+            ControlFlow::Continue(())
+        });
+        count
+    }
+
+    /// Binds the variables to the candidate with this index, and calls `visit`, unless there are fewer.
+    pub fn take(
+        &self,
+        index: usize,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>),
+    ) {
+        let mut taken = |run: &mut StepContext<'_>| {
+            if let (true, Some((_, _, origin))) = (self.is_answered, self.ranges.binders.first()) {
+                run.count_binding(*origin)?;
+            }
+            visit(run);
+            ControlFlow::Break(())
+        };
+        if let (Some(listed), Some((local, ..))) = (self.listed(), self.ranges.binders.first()) {
+            if let Some(element) = listed.get(index) {
+                run.set_local(*local, element.clone());
+                let _: ControlFlow<()> = taken(run);
+            }
+            return;
+        }
+        let mut before = 0;
+        self.each(run, &mut |run| {
+            if before < index {
+                before += 1;
+                return ControlFlow::Continue(());
+            }
+            taken(run)
+        });
+    }
+
     /// Calls `visit` for each candidate, in ascending order, until it breaks.
-    pub fn each(
+    fn each(
         &self,
         run: &mut StepContext<'_>,
         visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
     ) {
-        match &self.picked {
-            None => self.ranges.each(run, visit),
-            Some(picked) => {
+        match (&self.picked, &self.elements) {
+            (None, Some(elements)) => {
+                let counts = !self.is_answered;
+                self.ranges.each_of(elements, counts, run, visit);
+            }
+            (None, None) => self.ranges.each_in_full(run, visit),
+            (Some(picked), _) => {
                 // a break means that `visit` broke or a fault was recorded; both are checked by the
                 // caller
                 let _ = self.ranges.nest_picked(0, picked, run, visit);

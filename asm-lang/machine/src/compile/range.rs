@@ -1,6 +1,7 @@
 //! Compilation of variables that range over domains and collections.
 
 use super::Compiler;
+use super::indexed::IndexedRanges;
 use crate::fault::FaultKind;
 use crate::limits::MAX_BINDINGS;
 use crate::run::code::{TermCode, TruthCode};
@@ -17,6 +18,8 @@ pub(super) struct Ranges {
     /// `true` if an undef guard is a fault, as in rules; otherwise the caller interprets it, as in
     /// terms.
     strict: bool,
+    /// The index that answers the guard; `None` if there is none, and in terms.
+    pub(super) indexed: Option<IndexedRanges>,
 }
 
 pub(super) enum RangeCode {
@@ -51,6 +54,15 @@ impl Compiler<'_> {
             guard: guard.map(|guard| self.truth(guard)),
             guard_origin: guard.map_or_else(Origin::default, |guard| guard.origin),
             strict,
+            indexed: None,
+        }
+    }
+
+    /// Compiles the ranges of a rule, of which some have an index.
+    pub(super) fn rule_ranges(&self, binders: &[Binder], guard: Option<&Term>) -> Ranges {
+        Ranges {
+            indexed: self.indexed(binders, guard),
+            ..self.ranges(binders, guard, true)
         }
     }
 }
@@ -59,6 +71,18 @@ impl Ranges {
     /// Calls `visit` for each assignment of the variables that satisfies the guard, in ascending
     /// order, until it breaks. An undef guard is not satisfied, and in rules it is a fault.
     pub(super) fn each(
+        &self,
+        run: &mut StepContext<'_>,
+        visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
+    ) {
+        match self.elements(run) {
+            Some(elements) => self.each_of(&elements, true, run, visit),
+            None => self.each_in_full(run, visit),
+        }
+    }
+
+    /// Does the same as [`Self::each`] without an index.
+    pub(super) fn each_in_full(
         &self,
         run: &mut StepContext<'_>,
         visit: &mut dyn FnMut(&mut StepContext<'_>) -> ControlFlow<()>,
@@ -103,15 +127,24 @@ impl Ranges {
             return visit(run, truth);
         };
         let mut bind = |run: &mut StepContext<'_>, value: Value| {
-            run.bindings += 1;
-            if run.bindings > MAX_BINDINGS {
-                run.fail(FaultKind::Endless(MAX_BINDINGS), *origin);
-                return ControlFlow::Break(());
-            }
+            run.count_binding(*origin)?;
             run.set_local(*local, value);
             self.nest(depth + 1, run, visit)
         };
         range.each(run, *origin, &mut bind)
+    }
+}
+
+impl StepContext<'_> {
+    /// Counts the binding of a variable; breaks with a fault if there were too many in this step.
+    #[inline]
+    pub(super) fn count_binding(&mut self, origin: Origin) -> ControlFlow<()> {
+        self.bindings += 1;
+        if self.bindings > MAX_BINDINGS {
+            self.fail(FaultKind::Endless(MAX_BINDINGS), origin);
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
     }
 }
 

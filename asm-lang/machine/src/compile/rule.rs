@@ -65,13 +65,13 @@ impl Compiler<'_> {
             RuleNode::If(guard, then, otherwise) => self.branch(guard, then, otherwise),
             RuleNode::Switch(subject, cases, otherwise) => self.switch(subject, cases, otherwise),
             RuleNode::Choose(binders, guard, body, ifnone) => self.choose(
-                self.ranges(binders, guard.as_ref(), true),
+                self.rule_ranges(binders, guard.as_ref()),
                 body,
                 ifnone,
                 origin,
             ),
             RuleNode::Forall(binders, guard, body) => {
-                self.forall(self.ranges(binders, guard.as_ref(), true), body)
+                self.forall(self.rule_ranges(binders, guard.as_ref()), body)
             }
             RuleNode::Let(bindings, body) => {
                 let (bindings, body) = (self.bindings(bindings), self.rule(body));
@@ -357,11 +357,7 @@ impl Compiler<'_> {
             let mut chosen = 0;
             let mut choice = None;
             if !run.chooser.takes_first() {
-                let mut count = 0usize;
-                ranges.each(run, &mut |_| {
-                    count += 1;
-                    ControlFlow::Continue(())
-                });
+                let count = ranges.count(run);
                 run.checked()?;
                 if count > 0 {
                     chosen = run.chooser.choose(count).min(count - 1);
@@ -373,13 +369,8 @@ impl Compiler<'_> {
                     });
                 }
             }
-            let mut visited = 0;
             let mut found = false;
-            ranges.each(run, &mut |run| {
-                if visited < chosen {
-                    visited += 1;
-                    return ControlFlow::Continue(());
-                }
+            ranges.take(chosen, run, &mut |run| {
                 found = true;
                 if run.record.keeps_candidates {
                     let values = variables
@@ -394,7 +385,6 @@ impl Compiler<'_> {
                 }
                 // `checked` below finds a fault of the body
                 let _ = body(run);
-                ControlFlow::Break(())
             });
             run.checked()?;
             match ranges.into_picked() {

@@ -1,5 +1,6 @@
 //! Caches of a state: they affect the speed of a machine, not its behaviour.
 
+use super::range_index::RangeIndices;
 use crate::windows::Near;
 use asmotion_ir::Program;
 use asmotion_value::Value;
@@ -13,6 +14,8 @@ pub(crate) struct Memo {
     pub caches: Vec<Option<Value>>,
     /// Slots of interned locations with small arguments.
     pub windows: Near,
+    /// Elements of ranges by their value under a function.
+    pub indices: RangeIndices,
 }
 
 impl Memo {
@@ -21,6 +24,7 @@ impl Memo {
             read_in: vec![0; program.slots as usize],
             caches: vec![None; program.caches as usize],
             windows: Near::default(),
+            indices: RangeIndices::default(),
         }
     }
 }
