@@ -20,6 +20,7 @@ use crate::codes::a035::CircularDomain;
 use crate::id::{BodyId, FunctionId, Origin, RoutineId};
 use crate::program::{DomainElements, Initial, Invariant, Program, RuleValue, Symbols};
 pub use facts::{visit as visit_terms, walk as visit_rules};
+pub use layout::MAX_CREATED;
 
 pub use message::{MessageRole, MessageUse, message_uses};
 pub use uses::{UnreachedLiteral, applied_functions, read_functions, unreached_literals};

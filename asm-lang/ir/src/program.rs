@@ -126,8 +126,10 @@ pub struct Domain {
     pub base: Option<DomainId>,
     /// `true` if `extend` can add elements: the domain is abstract, or a subset of an abstract one.
     pub grows: bool,
-    /// `true` if some rule of the program adds elements.
+    /// `true` if some rule of the program adds elements, to it or to a subset of it.
     pub is_extended: bool,
+    /// `true` if some rule creates elements for this very domain.
+    pub is_created_for: bool,
 }
 
 /// The elements of a domain, as far as known at compile time.

@@ -8,8 +8,9 @@
 use crate::choose::{Chooser, Choosing};
 use crate::record::{StepChoice, StepLog};
 use crate::updates::{UpdateLists, Updates};
-use asmotion_ir::Origin;
+use asmotion_ir::{DomainId, Origin};
 use asmotion_value::Value;
+use std::sync::Arc;
 
 /// A main rule as native code that handles whole steps.
 pub trait DirectRule: Send + Sync {
@@ -65,6 +66,7 @@ impl DirectUse {
 /// The parts of a machine that a direct rule accesses.
 pub struct DirectStep<'a> {
     pub(crate) slots: &'a mut [Value],
+    pub(crate) extents: &'a [Arc<Vec<Value>>],
     pub(crate) updates: &'a mut Updates,
     pub(crate) before: &'a mut Vec<Value>,
     pub(crate) applies: bool,
@@ -77,6 +79,12 @@ impl DirectStep<'_> {
     #[inline]
     pub fn slots_mut(&mut self) -> &mut [Value] {
         self.slots
+    }
+
+    /// Returns the elements of a domain that is not an interval, in ascending order.
+    pub fn extent(&self, domain: DomainId) -> &[Value] {
+        let extent = self.extents.get(domain.0 as usize);
+        extent.map_or(&[], |elements| elements.as_slice())
     }
 
     /// Returns the lists of the update set, which is empty at the start of a step.

@@ -75,6 +75,7 @@ impl Machine {
         } = &mut self.scratch;
         let mut step = DirectStep {
             slots: &mut self.state.store.slots,
+            extents: &self.state.store.extents,
             updates,
             before,
             applies,

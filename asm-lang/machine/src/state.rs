@@ -24,7 +24,6 @@ pub(crate) use store::Store;
 
 use asmotion_ir::{DomainId, FunctionId, Program, Slot, Storage};
 use asmotion_value::Value;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A state of a machine. Locations that were never accessed have their initial value implicitly.
@@ -104,25 +103,26 @@ impl MachineState {
     /// Keeps the locations accessed since the last successful step.
     pub(crate) fn commit(&mut self) {
         self.locations.committed = self.store.slots.len();
-        self.locations.uncommitted.clear();
+        self.locations.commit_met();
     }
 
     /// Forgets the locations that were first accessed in a failed step.
     #[inline]
     pub(crate) fn forget_uncommitted(&mut self) {
         let locations = &self.locations;
-        if !locations.uncommitted.is_empty() || self.store.slots.len() > locations.committed {
+        if locations.has_uncommitted_met() || self.store.slots.len() > locations.committed {
             self.forget_each_uncommitted();
         }
     }
 
     #[cold]
     fn forget_each_uncommitted(&mut self) {
-        while let Some(slot) = self.locations.uncommitted.pop() {
+        while let Some(slot) = self.locations.forget_last_met() {
             self.store.slots[slot as usize] = Value::Undef;
             self.initial.slots[slot as usize] = Value::Undef;
-            self.initial.provided.retain(|provided| *provided != slot);
-            self.locations.is_materialised[(slot - self.locations.eager) as usize] = false;
+            if !self.initial.provided.is_empty() {
+                self.initial.provided.retain(|provided| *provided != slot);
+            }
         }
         let committed = self.locations.committed;
         while self.store.slots.len() > committed {
@@ -140,15 +140,15 @@ impl MachineState {
     /// Forgets all lazy and interned locations, together with everything cached about them.
     pub(crate) fn forget_materialised(&mut self) {
         let fixed = self.locations.fixed as usize;
-        let lazy = self.locations.eager as usize..fixed;
         self.store.slots.truncate(fixed);
-        self.store.slots[lazy.clone()].fill(Value::Undef);
         self.initial.slots.truncate(fixed);
-        self.initial.slots[lazy].fill(Value::Undef);
         self.initial.provided.clear();
         self.memo.read_in.truncate(fixed);
         self.memo.windows.forget(0);
-        self.locations.forget_all();
+        for slot in self.locations.forget_all() {
+            self.store.slots[slot as usize] = Value::Undef;
+            self.initial.slots[slot as usize] = Value::Undef;
+        }
     }
 
     /// Returns the value of a slot.
@@ -225,10 +225,9 @@ impl MachineState {
     /// Iterates over the slots whose location is part of the state. Excludes lazy slots before
     /// their first access, and locations that only a failed step accessed.
     pub fn slots(&self) -> impl Iterator<Item = Slot> {
-        let met_in_vain: BTreeSet<Slot> = self.locations.uncommitted.iter().copied().collect();
-        (0..self.locations.committed as Slot).filter(move |slot| {
-            self.locations.is_materialised(*slot) && !met_in_vain.contains(slot)
-        })
+        let lazy = self.locations.committed_met();
+        let interned = self.locations.fixed..self.locations.committed as Slot;
+        (0..self.locations.eager).chain(lazy).chain(interned)
     }
 
     /// Lists the locations of the specification's own functions, sorted by function and arguments.

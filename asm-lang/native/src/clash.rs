@@ -4,6 +4,7 @@
 //! locations if an argument differs: two constants, or two sums of the same variable and different constants. Executions in
 //! different iterations of a `forall` differ if an argument is the variable of the loop plus the same constant in both.
 
+use crate::agents::{AtomRange, routine_of};
 use crate::limits::{MAX_INLINED, MAX_RULES};
 use asmotion_ir::{
     Arithmetic, AssignTarget, AxisRange, Binder, BinderRange, DomainElements, FunctionId, Program,
@@ -142,8 +143,8 @@ struct ClashSearch<'a> {
     sites: Vec<UpdateSite>,
     path: Vec<Passage>,
     inlined: Vec<RoutineId>,
-    /// The range of atoms of each variable, if known: number of the first, and count.
-    variables: Vec<Option<(u32, u32)>>,
+    /// The range of atoms of each variable, if known.
+    variables: Vec<Option<AtomRange>>,
     branches: usize,
     visited: usize,
 }
@@ -272,10 +273,16 @@ impl ClashSearch<'_> {
         for binder in binders {
             let number = self.variables.len();
             let atoms = match binder.range {
-                BinderRange::Atoms(first, count) => Some((first, count)),
+                BinderRange::Atoms(first, count) => Some(AtomRange::Atoms(first, count)),
                 BinderRange::Domain(domain) => {
-                    match self.program.domains[domain.0 as usize].elements {
-                        DomainElements::Atoms { first, count } => Some((first.0, count)),
+                    let declared = &self.program.domains[domain.0 as usize];
+                    match declared.elements {
+                        DomainElements::Atoms { .. } if declared.is_extended => {
+                            Some(AtomRange::Domain(domain))
+                        }
+                        DomainElements::Atoms { first, count } => {
+                            Some(AtomRange::Atoms(first.0, count))
+                        }
                         DomainElements::Ints { .. }
                         | DomainElements::Computed(_)
                         | DomainElements::Undefined
@@ -295,12 +302,12 @@ impl ClashSearch<'_> {
 
     /// Returns the only routine that can be the program of an agent.
     fn program_of(&self, agent: Known) -> Option<RoutineId> {
-        let (first, count) = match agent {
-            Known::Constant(atom) => (u32::try_from(atom).ok()?, 1),
+        let agents = match agent {
+            Known::Constant(atom) => AtomRange::Atoms(u32::try_from(atom).ok()?, 1),
             Known::Sum(variable, 0) => self.variables.get(variable).copied()??,
             Known::Sum(..) | Known::Nothing => return None,
         };
-        routine_of_atoms(self.program, first, count)
+        routine_of(self.program, agents)
     }
 
     fn site(&mut self, place: &AssignTarget, locals: &[Known], agent: Known) {
@@ -327,19 +334,6 @@ impl ClashSearch<'_> {
             path: self.path.clone(),
         });
     }
-}
-
-/// Returns the only routine that can be the program of any of these atoms.
-pub(crate) fn routine_of_atoms(program: &Program, first: u32, count: u32) -> Option<RoutineId> {
-    let end = first.checked_add(count)?;
-    let domains = program.atom_domains.get(first as usize..end as usize)?;
-    let domain = domains.first()?;
-    if domains.iter().any(|other| other != domain) {
-        return None;
-    }
-    let (_, rule) = program.programs.iter().find(|(of, _)| of == domain)?;
-    let rule = program.rules.get(rule.0 as usize)?;
-    rule.routine.filter(|_| rule.arguments.is_empty())
 }
 
 fn arguments_of(program: &Program, function: FunctionId, slot: Slot) -> Option<Vec<Known>> {

@@ -9,7 +9,7 @@ use crate::frame::{NativeEntry, NativeFrame};
 use crate::limits::{FEW_RULES, MAX_RULES};
 use crate::memory::CodeMemory;
 use crate::value_facts::ValueFacts;
-use asmotion_ir::{Program, RoutineId};
+use asmotion_ir::{DomainId, Program, RoutineId};
 use asmotion_machine::back_end::{
     Compiler, DirectResult, DirectRule, DirectStep, NativeCompiler, NativeRule, NoNativeCode,
     RuleStopped, StepContext,
@@ -72,6 +72,8 @@ struct DirectMainRule {
     entry: DirectEntry,
     /// Greatest possible number of updates.
     updates: usize,
+    /// The extended domains whose elements the rule enumerates.
+    extents: Vec<DomainId>,
     facts: Arc<ValueFacts>,
     /// Owns the code that `entry` points to.
     _memory: CodeMemory,
@@ -80,7 +82,7 @@ struct DirectMainRule {
 impl DirectRule for DirectMainRule {
     #[inline]
     fn collect(&self, step: &mut DirectStep<'_>) -> DirectResult {
-        DirectFrame::enter(step, self.entry, self.updates)
+        DirectFrame::enter(step, self.entry, self.updates, &self.extents)
     }
 
     fn fits(&self, slots: &[Value]) -> bool {
@@ -113,8 +115,9 @@ fn compile_direct(program: &Program, slots: &[Value]) -> Option<Box<dyn DirectRu
         },
     );
     let memory = CodeMemory::new(module);
-    let (function, _) = function?;
+    let (function, rule) = function?;
     Some(Box::new(DirectMainRule {
+        extents: rule.direct?.extents,
         entry: memory.direct_entry(function)?,
         updates: updates?,
         facts,

@@ -40,6 +40,7 @@ impl Emitter<'_> {
             bindings: 0,
             calls: 0,
             is_futile: false,
+            extents: Vec::new(),
             sequence: DirectSequence::default(),
         });
     }

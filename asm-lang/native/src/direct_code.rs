@@ -1,7 +1,8 @@
 //! The state of the generation of a direct rule.
 
+use crate::direct_frame::MAX_EXTENTS;
 use crate::value_facts::ValueFacts;
-use asmotion_ir::{FunctionId, Slot};
+use asmotion_ir::{DomainId, FunctionId, Slot};
 use asmotion_machine::back_end::{MAX_BINDINGS, MAX_CALLS};
 use cranelift_codegen::ir::Value;
 use cranelift_frontend::Variable;
@@ -31,6 +32,8 @@ pub(crate) struct DirectCode {
     pub calls: u64,
     /// `true` if the rule gives up in each step.
     pub is_futile: bool,
+    /// The domains whose elements the rule enumerates, at most [`MAX_EXTENTS`].
+    pub extents: Vec<DomainId>,
     pub sequence: DirectSequence,
 }
 
@@ -60,6 +63,22 @@ impl DirectCode {
             && self.calls < u64::from(MAX_CALLS)
             && self.updates <= MAX_UPDATES;
         (is_bounded && !self.is_futile).then_some(self.updates as usize)
+    }
+
+    /// Returns `true` if the rule may enumerate a domain that rules extend.
+    pub fn may_use_extent(&self, domain: DomainId) -> bool {
+        self.extents.len() < MAX_EXTENTS || self.extents.contains(&domain)
+    }
+
+    /// Returns the index of a domain among those that the rule enumerates.
+    pub fn extent(&mut self, domain: DomainId) -> Option<usize> {
+        if let Some(index) = self.extents.iter().position(|known| *known == domain) {
+            return Some(index);
+        }
+        self.may_use_extent(domain).then(|| {
+            self.extents.push(domain);
+            self.extents.len() - 1
+        })
     }
 
     /// Returns `true` if the code generated next is executed at most once in a step.

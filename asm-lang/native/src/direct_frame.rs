@@ -10,7 +10,7 @@
 )]
 
 use crate::frame::{PanicPayload, at, caught};
-use asmotion_ir::Origin;
+use asmotion_ir::{DomainId, Origin};
 use asmotion_machine::Update;
 use asmotion_machine::back_end::{Choosing, DirectResult, DirectStep, Mark};
 use asmotion_value::Value;
@@ -24,6 +24,26 @@ pub(crate) const BEFORE: i32 = offset_of!(DirectFrame, before) as i32;
 /// complete and a previous value is no scalar.
 pub(crate) type DirectEntry = unsafe extern "C" fn(*mut DirectFrame) -> u8;
 
+/// Limit for the number of extended domains that a direct rule enumerates.
+pub(crate) const MAX_EXTENTS: usize = 4;
+
+/// The elements of a domain.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Extent {
+    elements: *const Value,
+    count: usize,
+}
+
+/// Returns the offsets of the address and the number of the elements of a domain, by its index.
+pub(crate) fn extent_offsets(index: usize) -> [i32; 2] {
+    let extent = (offset_of!(DirectFrame, extents) + index * size_of::<Extent>()) as i32;
+    [
+        extent + offset_of!(Extent, elements) as i32,
+        extent + offset_of!(Extent, count) as i32,
+    ]
+}
+
 /// The interface to a step, at the offsets in [`at`].
 #[repr(C)]
 pub(crate) struct DirectFrame {
@@ -35,6 +55,8 @@ pub(crate) struct DirectFrame {
     epoch: u32,
     /// The list for previous values; null if the updates are not applied.
     before: *mut Value,
+    /// The elements of the domains that the rule enumerates.
+    extents: [Extent; MAX_EXTENTS],
     step: *mut DirectStep<'static>,
     /// The panic of a chooser, to be resumed when native code returns.
     panic: Option<PanicPayload>,
@@ -51,7 +73,20 @@ const _: () = {
 impl DirectFrame {
     /// Runs a direct rule, which adds at most `updates` updates.
     #[inline]
-    pub fn enter(step: &mut DirectStep<'_>, entry: DirectEntry, updates: usize) -> DirectResult {
+    pub fn enter(
+        step: &mut DirectStep<'_>,
+        entry: DirectEntry,
+        updates: usize,
+        domains: &[DomainId],
+    ) -> DirectResult {
+        let mut extents = [Extent {
+            elements: std::ptr::null(),
+            count: 0,
+        }; MAX_EXTENTS];
+        for (extent, domain) in extents.iter_mut().zip(domains) {
+            let elements = step.extent(*domain);
+            (extent.elements, extent.count) = (elements.as_ptr(), elements.len());
+        }
         let slots = step.slots_mut().as_mut_ptr();
         let before = match step.before() {
             Some(before) => {
@@ -76,13 +111,15 @@ impl DirectFrame {
             counters,
             epoch,
             before,
+            extents,
             step: std::ptr::from_mut(step).cast(),
             panic: None,
         };
         // SAFETY: the entry was generated for the program of this step and for this layout of the frame, and its memory
         // lives as long as the rule that called this function. It accesses slots and marks only below the number of slots
-        // that the program fixes, counters only below their number, and writes at most `updates` updates, for which the
-        // list, empty at the start of a step, has capacity. `step` is not used here until it returns.
+        // that the program fixes, counters only below their number, reads elements of domains only below theirs, and writes
+        // at most `updates` updates, for which the list, empty at the start of a step, has capacity. No extent changes in a
+        // direct step. `step` is not used here until it returns.
         let status = unsafe { entry(&raw mut frame) };
         if let Some(payload) = frame.panic {
             resume_unwind(payload);

@@ -1,5 +1,6 @@
 //! The function under construction: blocks, memory accesses and exits.
 
+use crate::agents::AtomRange;
 use crate::detour::Detour;
 use crate::direct_code::DirectCode;
 use crate::frame::{at, out, pack_call_position};
@@ -54,8 +55,8 @@ impl NativeInt {
 #[derive(Clone, Copy)]
 pub(crate) struct AtomCode {
     pub value: Ssa,
-    /// The range of atoms it belongs to, if known: number of the first, and count.
-    pub among: Option<(u32, u32)>,
+    /// The atoms it belongs to, if known.
+    pub among: Option<AtomRange>,
 }
 
 /// Compile-time knowledge about a variable.
@@ -138,6 +139,8 @@ pub(crate) struct Regions {
     pub length: MemFlagsData,
     pub locals: MemFlagsData,
     pub counters: MemFlagsData,
+    /// Elements of domains, which do not change during a step.
+    pub extents: MemFlagsData,
 }
 
 /// The parts of a generated rule other than its code.
@@ -236,6 +239,7 @@ fn regions(builder: &mut FunctionBuilder<'_>) -> Regions {
         length: region("length"),
         locals: region("locals"),
         counters: region("counters"),
+        extents: region("extents"),
     }
 }
 

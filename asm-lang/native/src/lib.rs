@@ -8,6 +8,7 @@
 //! have no effects and an input keeps its value throughout a step. Steps are therefore identical in
 //! both back ends.
 
+mod agents;
 mod clash;
 mod compile;
 mod counted;

@@ -118,9 +118,9 @@ impl Emitter<'_> {
                 AxisRange::Atoms { first, count } => {
                     let atom = self.atom(argument);
                     let along = self.builder.ins().iadd_imm_s(atom.value, -i64::from(first));
-                    let inside = atom.among.is_some_and(|(from, so_many)| {
-                        first <= from && from + so_many <= first + count
-                    });
+                    let inside = atom
+                        .among
+                        .is_some_and(|among| among.is_within(first, count));
                     if !inside {
                         self.bail_outside(along, count);
                     }
@@ -264,11 +264,7 @@ impl Emitter<'_> {
                 self.bail_if(outside);
             }
             (&DomainElements::Atoms { first, count }, KnownValue::Atom(atom)) => {
-                let above = self
-                    .builder
-                    .ins()
-                    .iadd_imm_s(atom.value, -i64::from(first.0));
-                self.bail_outside(above, count);
+                self.check_atom(domain, first.0, count, atom);
             }
             _ => {}
         }

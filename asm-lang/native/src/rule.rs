@@ -1,6 +1,6 @@
 //! Generates code for rules.
 
-use crate::clash::routine_of_atoms;
+use crate::agents::{AtomRange, routine_of};
 use crate::emit::{AtomCode, EmitScope, Emitter, KnownValue, Loops, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::limits::MAX_INLINED;
@@ -285,8 +285,7 @@ impl Emitter<'_> {
         let Some(KnownValue::Atom(agent)) = self.scope.locals.get(*local as usize) else {
             return None;
         };
-        let (first, count) = agent.among?;
-        let routine = routine_of_atoms(self.program, first, count)?;
+        let routine = routine_of(self.program, agent.among?)?;
         let called = &self.program.routines[routine.0 as usize];
         (called.arguments == 0 && self.may_build_in(routine)).then_some((*agent, routine))
     }
@@ -496,7 +495,7 @@ impl Emitter<'_> {
         self.bail_if(many);
     }
 
-    fn round(
+    pub fn round(
         &mut self,
         spans: &[BoundRange],
         counting: Counting,
@@ -514,6 +513,9 @@ impl Emitter<'_> {
                 (I32, first.into(), i64::from(first) + i64::from(count) - 1)
             }
             StaticRange::Bools => (I8, 0, 1),
+            StaticRange::Extent(domain) => {
+                return self.extent_round((local, domain), inner, counting, body);
+            }
         };
         let (head, next, done) = (self.block(), self.block(), self.block());
         let value = self.builder.append_block_param(head, ty);
@@ -528,9 +530,9 @@ impl Emitter<'_> {
             }
             StaticRange::Atoms(first, count) => KnownValue::Atom(AtomCode {
                 value,
-                among: Some((first, count)),
+                among: Some(AtomRange::Atoms(first, count)),
             }),
-            StaticRange::Bools => KnownValue::Bool(value),
+            StaticRange::Bools | StaticRange::Extent(_) => KnownValue::Bool(value),
         };
         let index = self.builder.ins().iadd_imm_s(value, first.wrapping_neg());
         let index = match ty {

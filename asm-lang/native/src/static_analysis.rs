@@ -2,8 +2,8 @@
 
 use crate::emit::{Emitter, KnownValue};
 use asmotion_ir::{
-    BinderRange, BodyId, DomainElements, FunctionKind, Program, RoutineId, Rule, RuleNode, Term,
-    TermNode, ValueKind,
+    BinderRange, BodyId, DomainElements, DomainId, FunctionKind, MAX_CREATED, Program, RoutineId,
+    Rule, RuleNode, Term, TermNode, ValueKind,
 };
 use asmotion_value::Value;
 
@@ -13,6 +13,8 @@ pub(crate) enum StaticRange {
     Ints(i64, i64),
     Atoms(u32, u32),
     Bools,
+    /// The elements of a domain that rules extend; only in direct rules.
+    Extent(DomainId),
 }
 
 impl StaticRange {
@@ -22,6 +24,8 @@ impl StaticRange {
             Self::Ints(low, high) => high.abs_diff(low).saturating_add(1),
             Self::Atoms(_, count) => u64::from(count),
             Self::Bools => 2,
+            // a direct rule gives up if there are more
+            Self::Extent(_) => u64::from(MAX_CREATED),
         }
     }
 }
@@ -99,6 +103,9 @@ impl Emitter<'_> {
             BinderRange::Atoms(first, count) => Some(StaticRange::Atoms(*first, *count)),
             BinderRange::Bools => Some(StaticRange::Bools),
             BinderRange::Domain(domain) => match self.program.domains[domain.0 as usize].elements {
+                DomainElements::Atoms { .. } if self.has_extent(*domain) => {
+                    Some(StaticRange::Extent(*domain))
+                }
                 DomainElements::Atoms { first, count }
                     if !self.program.domains[domain.0 as usize].is_extended =>
                 {

@@ -1,5 +1,6 @@
 //! Generates code for terms whose values are integers or atoms.
 
+use crate::agents::AtomRange;
 use crate::emit::{AtomCode, Emitter, KnownValue, NativeInt};
 use crate::static_analysis::counts;
 use asmotion_ir::{Arithmetic, IntegerInterval, Term, TermNode, ValueKind};
@@ -115,7 +116,7 @@ impl Emitter<'_> {
         match &*term.node {
             TermNode::Constant(Value::Atom(atom)) => AtomCode {
                 value: self.number(I32, i64::from(atom.0)),
-                among: Some((atom.0, 1)),
+                among: Some(AtomRange::Atoms(atom.0, 1)),
             },
             TermNode::Local(local) => match self.scope.locals.get(*local as usize) {
                 Some(KnownValue::Atom(atom)) => *atom,

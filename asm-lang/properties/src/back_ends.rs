@@ -7,6 +7,7 @@ use asmotion_lang::machine::{NativeCompiler, NoNativeCode};
 use asmotion_lang::simulate::{Random, Seeded};
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, Specification, Value};
 use asmotion_native::Cranelift;
+use std::sync::Arc;
 
 /// Number of steps, successful or not.
 const STEPS: i64 = 12;
@@ -27,7 +28,7 @@ impl NativeCompiler for OnlyDetours {
 
 /// The steps of a generated specification are the same in all back ends, from the first one on: by closures, by native code
 /// with detours, and by native code for whole steps; with and without coverage counters. A step that is only evaluated has
-/// the same updates. Returns `false` if the specification does not open, or has no initial state.
+/// the same updates. They are also the same where locations are kept in another way. Returns `false` if the specification does not open, or has no initial state.
 pub fn back_ends(bytes: &[u8]) -> bool {
     let text = generated::specification(bytes);
     let mut files = MemoryFiles::new();
@@ -48,6 +49,9 @@ pub fn back_ends(bytes: &[u8]) -> bool {
         let mut closures = machine.clone();
         let _ = closures.set_back_end(BackEnd::Closures);
         let expected = run(&specification, closures, seed);
+        if !is_covered {
+            differs_nowhere(&specification, &expected, seed, &text);
+        }
         let mut detours = machine.clone();
         detours.set_native_compiler(&OnlyDetours);
         // a machine of its own, because clones share compiled code
@@ -67,8 +71,42 @@ pub fn back_ends(bytes: &[u8]) -> bool {
     true
 }
 
+/// Compares the steps with those of a machine that interns the locations for which there are lazy slots otherwise.
+fn differs_nowhere(specification: &Specification, expected: &[Done], seed: u64, text: &str) {
+    let interned = asmotion_lang::ir::lower_with(&specification.model, 1 << 16, 0)
+        .ok()
+        .and_then(|lowered| Machine::new(Arc::new(lowered.program)).ok());
+    let Some(mut interned) = interned else {
+        panic!("no machine without lazy slots: {text}");
+    };
+    let _ = interned.set_back_end(BackEnd::Closures);
+    for (step, (done, expected)) in run(specification, interned, seed)
+        .iter()
+        .zip(expected)
+        .enumerate()
+    {
+        assert_eq!(
+            (&done.shown, &done.message),
+            (&expected.shown, &expected.message),
+            "interned, step {}, of\n{text}",
+            step + 1
+        );
+    }
+}
+
+/// The effects of a step.
+#[derive(Debug, PartialEq)]
+struct Done {
+    /// The fault, with numbers of slots.
+    fault: String,
+    /// The fault as users read it.
+    message: String,
+    /// Everything else.
+    shown: String,
+}
+
 /// Returns the effects of each step.
-fn run(specification: &Specification, mut machine: Machine, seed: u64) -> Vec<String> {
+fn run(specification: &Specification, mut machine: Machine, seed: u64) -> Vec<Done> {
     let mut inputs = Random::new(specification.program.clone(), &machine, seed);
     let mut choices = Seeded::new(seed);
     let mut steps = Vec::new();
@@ -104,12 +142,20 @@ fn run(specification: &Specification, mut machine: Machine, seed: u64) -> Vec<St
                 .collect::<Vec<_>>(),
             (step.before(), step.choices(), step.extended()),
         );
-        let result = result.err();
-        steps.push(format!(
-            "{result:?}\n{record:?}\n{:?}\n{:?}",
+        let shown = format!(
+            "{record:?}\n{:?}\n{:?}",
             machine.snapshot(),
             machine.counts()
-        ));
+        );
+        let fault = result.err();
+        let message = fault
+            .as_ref()
+            .map(|fault| specification.explain_in(fault, &machine).message);
+        steps.push(Done {
+            fault: format!("{fault:?}"),
+            message: message.unwrap_or_default(),
+            shown,
+        });
     }
     steps
 }

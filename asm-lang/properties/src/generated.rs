@@ -33,6 +33,36 @@ definitions:
   function above($x in Small) = f($x) > b
 ";
 
+/// Declarations and definitions that only some specifications have, because they make each machine larger.
+const LARGE: [&str; 2] = [
+    "  domain Wide subsetof Integer
+  controlled wide: Wide -> Integer
+",
+    "  domain Wide = {-5 : 70000}
+",
+];
+
+/// A domain that is large enough for an index.
+const INDEXED: [&str; 2] = [
+    "  domain Many subsetof Integer
+  controlled target: Many -> Small
+  controlled chosen: Small -> Many
+",
+    "  domain Many = {0 : 79}
+",
+];
+
+/// Agents, which rules create.
+const AGENTS: [&str; 2] = [
+    "  domain Walker subsetof Agent
+  controlled walked: Walker -> Integer
+  controlled seen: Prod(Walker, Small) -> Small
+  controlled next: Walker -> Walker
+  controlled goal: Walker -> Small
+",
+    "",
+];
+
 /// The variables in scope, by kind.
 #[derive(Clone, Default)]
 struct VariablesInScope {
@@ -45,6 +75,10 @@ struct Generator<'a> {
     variables: u32,
     /// `true` for a specification that native code executes without closures, and whose steps rarely fail.
     is_plain: bool,
+    /// `true` for a specification with `LARGE`, `INDEXED` or `AGENTS`.
+    is_large: bool,
+    is_indexed: bool,
+    has_agents: bool,
 }
 
 /// Returns a specification. Equal bytes give equal texts.
@@ -53,18 +87,53 @@ pub(crate) fn specification(bytes: &[u8]) -> String {
         bytes: bytes.iter(),
         variables: 0,
         is_plain: false,
+        is_large: false,
+        is_indexed: false,
+        has_agents: false,
     };
     generator.is_plain = generator.of(2) == 0;
-    let mut text = HEAD.to_owned();
+    generator.is_large = generator.of(6) == 1;
+    generator.is_indexed = generator.of(2) == 1;
+    generator.has_agents = generator.of(2) == 1;
+    let sections = [
+        (generator.is_large, LARGE),
+        (generator.is_indexed, INDEXED),
+        (generator.has_agents, AGENTS),
+    ];
+    let (mut declared, mut defined) = (String::new(), String::new());
+    for (is_included, [declarations, definitions]) in sections {
+        if is_included {
+            declared.push_str(declarations);
+            defined.push_str(definitions);
+        }
+    }
+    let mut text = HEAD.replacen(
+        "definitions:\n",
+        &format!("{declared}definitions:\n{defined}"),
+        1,
+    );
     let parameter = VariablesInScope {
         integers: vec!["$k".to_owned()],
         ..VariablesInScope::default()
     };
     let macro_body = generator.rule(2, &parameter);
     let _ = writeln!(text, "  rule r_step($k in Small) =\n    {macro_body}\n");
-    let rules: Vec<String> = (0..=generator.of(3))
+    if generator.has_agents {
+        let walk = generator.walk();
+        let _ = writeln!(text, "  rule r_walk =\n    {walk}\n");
+    }
+    let mut rules: Vec<String> = (0..=generator.of(3))
         .map(|_| generator.rule(DEPTH, &VariablesInScope::default()))
         .collect();
+    if generator.has_agents {
+        rules.push(generator.walkers());
+    }
+    if generator.is_indexed {
+        rules.push(generator.indexed());
+    }
+    if generator.is_large {
+        rules.push(generator.far_away());
+    }
     let _ = writeln!(
         text,
         "  main rule r_Main = par\n    {}\n  endpar\n\ndefault init s0:",
@@ -101,6 +170,24 @@ pub(crate) fn specification(bytes: &[u8]) -> String {
         let _ = writeln!(text, "  function far($x in Integer) = $x mod 5");
     }
     let _ = writeln!(text, "  function bag = {{1, 2}}");
+    if generator.is_large && generator.of(2) > 0 {
+        let _ = writeln!(text, "  function wide($x in Wide) = $x mod 7");
+    }
+    if generator.is_indexed {
+        let shift = generator.of(7);
+        let _ = writeln!(
+            text,
+            "  function target($x in Many) = if $x < {} then undef else ($x * {shift}) mod 4 endif",
+            generator.of(3)
+        );
+    }
+    if generator.has_agents {
+        let _ = writeln!(text, "  function goal($x in Walker) = {}", generator.of(4));
+        if generator.is_plain || generator.of(2) > 0 {
+            let _ = writeln!(text, "  function walked($x in Walker) = 1");
+        }
+        let _ = writeln!(text, "  agent Walker: r_walk[]");
+    }
     text
 }
 
@@ -312,6 +399,113 @@ impl Generator<'_> {
                 1 => "a := undef".to_owned(),
                 _ => "p := undef".to_owned(),
             },
+        }
+    }
+
+    /// The program of agents.
+    fn walk(&mut self) -> String {
+        let scope = VariablesInScope::default();
+        let mut rules = vec!["walked(self) := (walked(self) + 1) mod 1009".to_owned()];
+        rules.push(match self.of(4) {
+            0 => format!("goal(self) := {}", self.small(2, &scope)),
+            1 => "next(self) := self".to_owned(),
+            2 => "if next(self) = undef then next(self) := self endif".to_owned(),
+            _ => "goal(self) := (goal(self) + 1) mod 4".to_owned(),
+        });
+        if self.of(2) == 0 {
+            rules.push(format!("seen(self, {}) := 1", self.small(1, &scope)));
+        }
+        if !self.is_plain && self.of(3) == 0 {
+            rules.push("extend Walker with $new do walked($new) := 3".to_owned());
+        }
+        if self.of(3) == 0 {
+            rules.push(self.rule(1, &scope));
+        }
+        format!("par {} endpar", rules.join(" "))
+    }
+
+    /// Creates agents in some steps, and runs the others.
+    fn walkers(&mut self) -> String {
+        let scope = VariablesInScope::default();
+        let create = format!(
+            "extend Walker with $new1, $new2 do par walked($new1) := {} next($new2) := $new1 endpar",
+            self.number(true)
+        );
+        let run = match self.of(4) {
+            0 => "forall $w in Walker with goal($w) = s do program($w)".to_owned(),
+            1 => format!(
+                "choose $w in Walker with walked($w) < 5 do program($w) ifnone {}",
+                self.rule(1, &scope)
+            ),
+            _ => "forall $w in Walker with true do program($w)".to_owned(),
+        };
+        match self.of(3) {
+            0 => format!("par {create} {run} endpar"),
+            1 => format!(
+                "if {} then {create} else {run} endif",
+                self.truth(1, &scope)
+            ),
+            _ => format!("if size(Walker) < 3 then {create} else {run} endif"),
+        }
+    }
+
+    /// Ranges whose guard begins with an equation.
+    fn indexed(&mut self) -> String {
+        let (variable, inner) = self.bound(&VariablesInScope::default());
+        let key = match self.of(4) {
+            0 => "s".to_owned(),
+            1 if !self.is_plain => "undef".to_owned(),
+            2 => self.of(4).to_string(),
+            _ => variable.clone(),
+        };
+        let rest = match self.of(4) {
+            0 => format!(" and {}", self.truth(1, &inner)),
+            1 => " and $m > 40 and $m < 60".to_owned(),
+            2 if !self.is_plain => " and target($m + 1) > 1".to_owned(),
+            _ => String::new(),
+        };
+        let guard = match self.of(2) {
+            0 => format!("target($m) = {key}{rest}"),
+            _ => format!("{key} = target($m){rest}"),
+        };
+        let body = match self.of(3) {
+            0 => format!("target($m) := ({variable} + 1) mod 4"),
+            1 => format!("chosen({variable}) := $m"),
+            _ => self.update(&inner),
+        };
+        let range = match self.of(4) {
+            0 => format!("forall $m in Many with {guard} do {body}"),
+            1 => format!("choose $m in Many with {guard} do {body}"),
+            _ => format!("choose $m in Many with {guard} do {body} ifnone f({variable}) := 0"),
+        };
+        let range = if !self.is_plain && self.of(3) == 0 {
+            format!("seq target(50) := {} {range} endseq", self.of(4))
+        } else {
+            range
+        };
+        match self.of(3) {
+            0 => format!("let ({variable} = {}) in {range} endlet", self.of(4)),
+            _ => format!("forall {variable} in Small with true do {range}"),
+        }
+    }
+
+    /// Accesses to locations of a function with very many.
+    fn far_away(&mut self) -> String {
+        let scope = VariablesInScope::default();
+        let place = match self.of(4) {
+            0 => "70000".to_owned(),
+            1 => "65530 + s".to_owned(),
+            2 if !self.is_plain => self.integer(1, &scope),
+            _ => "s".to_owned(),
+        };
+        match self.of(3) {
+            0 => format!("wide({place}) := {}", self.integer(1, &scope)),
+            1 => format!(
+                "forall $far in {{65530 : 65540}} with true do wide($far) := wide($far - 1) + 1"
+            ),
+            _ => format!(
+                "if wide({place}) = undef then wide({place}) := 1 else a := wide({place}) endif"
+            ),
         }
     }
 

@@ -30,12 +30,14 @@ impl Lowering<'_> {
                 base,
                 grows,
                 is_extended: false,
+                is_created_for: false,
             });
         }
     }
 
     /// Notes that a rule adds elements to a domain, and thereby to those that it is a subset of.
     pub(super) fn extends(&mut self, domain: DomainId) {
+        self.program.domains[domain.0 as usize].is_created_for = true;
         let mut extended = Some(domain);
         while let Some(id) = extended {
             let domain = &mut self.program.domains[id.0 as usize];

@@ -9,6 +9,12 @@ use asmotion_stdlib::MessageQuery;
 /// Limit for the lazy slots of all functions over finite domains, as a multiple of the limit for one function.
 const MAX_LARGE: u64 = 4;
 
+/// Limit for the elements created by `extend` that a function has slots for; locations with others are interned.
+pub const MAX_CREATED: u32 = 1 << 14;
+
+/// Limit for the slots of such a function.
+const MAX_CREATED_SLOTS: u32 = 1 << 16;
+
 impl Lowering<'_> {
     /// Assigns storage to every function, in order of declaration.
     pub(super) fn layout(&mut self) {
@@ -70,7 +76,7 @@ impl Lowering<'_> {
             let is_large = self.program.functions[index].storage == Storage::Interned
                 && function.kind != asmotion_hir::FunctionKind::Local
                 && !(function.initial.is_some() && order::is_recursive(self.model, id));
-            let ranges = function.parameters.iter().map(|&ty| self.axis(ty));
+            let ranges = function.parameters.iter().map(|&ty| self.exact_axis(ty));
             let Some(ranges) = ranges.collect::<Option<Vec<_>>>().filter(|_| is_large) else {
                 continue;
             };
@@ -88,6 +94,66 @@ impl Lowering<'_> {
                 };
             }
         }
+    }
+
+    /// Allocates lazy slots for functions over a domain without constants that rules extend, for the first elements that
+    /// they create.
+    fn created_layout(&mut self) {
+        let limit = self.lazy.min(u64::from(MAX_CREATED_SLOTS));
+        for (index, function) in self.model.functions.iter().enumerate() {
+            let id = asmotion_hir::FunctionId(index as u32);
+            let is_suitable = self.program.functions[index].storage == Storage::Interned
+                && matches!(
+                    function.kind,
+                    asmotion_hir::FunctionKind::Controlled | asmotion_hir::FunctionKind::Out
+                )
+                && !(function.initial.is_some() && order::is_recursive(self.model, id));
+            if !is_suitable {
+                continue;
+            }
+            let known = function.parameters.iter().map(|&ty| self.exact_axis(ty));
+            let Some(mut ranges) = known.collect::<Option<Vec<_>>>() else {
+                continue;
+            };
+            let is_growing =
+                |(range, &ty): (&AxisRange, &TypeId)| range.count() == 0 && self.is_extended(ty);
+            let mut growing = ranges
+                .iter()
+                .zip(&function.parameters)
+                .enumerate()
+                .filter(|(_, pair)| is_growing(*pair))
+                .map(|(position, _)| position);
+            let (Some(position), None) = (growing.next(), growing.next()) else {
+                continue;
+            };
+            let others = ranges.iter().enumerate().filter(|(at, _)| *at != position);
+            let others = others.map(|(_, range)| u64::from(range.count()));
+            let room = limit
+                .checked_div(others.product::<u64>())
+                .unwrap_or_default();
+            let count = room.min(u64::from(MAX_CREATED)) as u32;
+            ranges[position] = AxisRange::Atoms {
+                first: self.program.atom_domains.len() as u32,
+                count,
+            };
+            if let Storage::Dense {
+                base, count, axes, ..
+            } = self.dense_within(ranges, limit)
+            {
+                self.program.dense.push(FunctionId(index as u32));
+                self.program.functions[index].storage = Storage::Dense {
+                    base,
+                    count,
+                    axes,
+                    lazy: true,
+                };
+            }
+        }
+    }
+
+    fn is_extended(&self, ty: TypeId) -> bool {
+        let domain = self.model.types.get(ty).as_domain();
+        domain.is_some_and(|it| self.program.domains[domain::id(it).0 as usize].is_extended)
     }
 
     fn dense(&mut self, ranges: Vec<AxisRange>) -> Storage {
@@ -134,6 +200,7 @@ impl Lowering<'_> {
             return;
         }
         self.large_layout();
+        self.created_layout();
         let used = reach::arguments(&self.program);
         for (id, used) in used {
             let index = id.0 as usize;
@@ -157,6 +224,22 @@ impl Lowering<'_> {
                     lazy: true,
                 };
             }
+        }
+    }
+
+    /// Returns the range of an argument of this type if it has all elements of the type, and no others.
+    fn exact_axis(&self, ty: TypeId) -> Option<AxisRange> {
+        let domain = self.model.types.get(ty).as_domain();
+        let elements = domain.map(|it| &self.program.domains[domain::id(it).0 as usize].elements);
+        match elements {
+            Some(DomainElements::Computed(_)) => None,
+            Some(
+                DomainElements::Ints { .. }
+                | DomainElements::Atoms { .. }
+                | DomainElements::Undefined
+                | DomainElements::Open,
+            )
+            | None => self.axis(ty),
         }
     }
 

@@ -18,9 +18,11 @@ pub(crate) struct Locations {
     /// Number of eager slots, which have a value from the start.
     pub eager: Slot,
     /// `true` for each lazy slot that was accessed.
-    pub is_materialised: Vec<bool>,
-    /// Lazy slots first accessed after the last successful step.
-    pub uncommitted: Vec<Slot>,
+    is_materialised: Vec<bool>,
+    /// The lazy slots that were accessed, in order of first access.
+    met: Vec<Slot>,
+    /// Number of those that were accessed before or in the last successful step.
+    committed_met: usize,
     /// Number of slots after the last successful step. Slots interned by a failed step are kept
     /// until the next one begins.
     pub committed: usize,
@@ -45,7 +47,8 @@ impl Locations {
             fixed: program.slots,
             eager: program.eager,
             is_materialised: vec![false; (program.slots - program.eager) as usize],
-            uncommitted: Vec::new(),
+            met: Vec::new(),
+            committed_met: 0,
             committed: program.slots as usize,
             interned: Vec::new(),
             outside: Vec::new(),
@@ -79,11 +82,40 @@ impl Locations {
         match self.is_materialised.get_mut((slot - self.eager) as usize) {
             Some(met) => {
                 *met = true;
-                self.uncommitted.push(slot);
+                self.met.push(slot);
                 true
             }
             None => false,
         }
+    }
+
+    /// Keeps the lazy slots that were accessed.
+    #[inline]
+    pub fn commit_met(&mut self) {
+        self.committed_met = self.met.len();
+    }
+
+    /// Returns `true` if lazy slots were first accessed after the last successful step.
+    #[inline]
+    pub fn has_uncommitted_met(&self) -> bool {
+        self.met.len() > self.committed_met
+    }
+
+    /// Forgets the lazy slot accessed last, if that was after the last successful step.
+    pub fn forget_last_met(&mut self) -> Option<Slot> {
+        if !self.has_uncommitted_met() {
+            return None;
+        }
+        let slot = self.met.pop()?;
+        self.is_materialised[(slot - self.eager) as usize] = false;
+        Some(slot)
+    }
+
+    /// Returns the lazy slots accessed before or in the last successful step, in ascending order.
+    pub fn committed_met(&self) -> Vec<Slot> {
+        let mut met = self.met[..self.committed_met].to_vec();
+        met.sort_unstable();
+        met
     }
 
     /// Interns a location and returns its slot.
@@ -117,14 +149,17 @@ impl Locations {
         }
     }
 
-    /// Removes all interned locations and marks all lazy slots as not accessed.
-    pub fn forget_all(&mut self) {
-        self.is_materialised.fill(false);
-        self.uncommitted.clear();
+    /// Removes all interned locations and marks all lazy slots as not accessed. Returns those that were.
+    pub fn forget_all(&mut self) -> Vec<Slot> {
+        for slot in &self.met {
+            self.is_materialised[(slot - self.eager) as usize] = false;
+        }
+        self.committed_met = 0;
         self.committed = self.fixed as usize;
         self.interned.clear();
         self.outside.clear();
         self.slots.clear();
+        std::mem::take(&mut self.met)
     }
 
     /// Returns `true` if a slot is a local location of this run of a rule.

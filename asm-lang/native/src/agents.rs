@@ -1,0 +1,165 @@
+//! Atoms and agents: what is known of them when code is generated, and domains that rules extend.
+
+use crate::emit::{AtomCode, Emitter, KnownValue, Ssa};
+use crate::frame::at;
+use crate::rule::{BoundRange, Counting, total};
+use asmotion_ir::{DomainId, Local, MAX_CREATED, Program, RoutineId};
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::{I32, I64};
+use cranelift_codegen::ir::{Block, InstBuilder};
+
+/// A set of atoms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AtomRange {
+    /// Consecutive atoms: number of the first, and count.
+    Atoms(u32, u32),
+    /// The elements of a domain.
+    Domain(DomainId),
+}
+
+impl AtomRange {
+    /// Returns `true` if all atoms are among these consecutive ones.
+    pub fn is_within(self, first: u32, count: u32) -> bool {
+        match self {
+            Self::Atoms(from, so_many) => first <= from && from + so_many <= first + count,
+            Self::Domain(_) => false,
+        }
+    }
+}
+
+/// Returns the only routine that can be the program of any of these agents.
+pub(crate) fn routine_of(program: &Program, agents: AtomRange) -> Option<RoutineId> {
+    let mut domains: Vec<DomainId> = match agents {
+        AtomRange::Atoms(first, count) => {
+            let end = first.checked_add(count)?;
+            program
+                .atom_domains
+                .get(first as usize..end as usize)?
+                .to_vec()
+        }
+        AtomRange::Domain(domain) => {
+            let all = (0..program.domains.len() as u32).map(DomainId);
+            all.filter(|&subset| is_subset(program, subset, domain))
+                .collect()
+        }
+    };
+    domains.dedup();
+    let programs = domains.iter().map(|domain| {
+        let mut programs = program.programs.iter();
+        programs.find(|(of, _)| of == domain).map(|(_, rule)| *rule)
+    });
+    let mut programs: Vec<_> = programs.collect::<Option<_>>()?;
+    programs.dedup();
+    let [rule] = programs.as_slice() else {
+        return None;
+    };
+    let rule = program.rules.get(rule.0 as usize)?;
+    rule.routine.filter(|_| rule.arguments.is_empty())
+}
+
+/// Returns `true` if a domain is, or is declared to be a subset of, another one.
+fn is_subset(program: &Program, subset: DomainId, of: DomainId) -> bool {
+    let mut next = Some(subset);
+    for _ in 0..=program.domains.len() {
+        match next {
+            Some(domain) if domain == of => return true,
+            Some(domain) => next = program.domains[domain.0 as usize].base,
+            None => return false,
+        }
+    }
+    false
+}
+
+impl Emitter<'_> {
+    /// Returns `true` if native code can enumerate a domain that rules extend.
+    pub fn has_extent(&self, domain: DomainId) -> bool {
+        let is_extended = self.program.domains[domain.0 as usize].is_extended;
+        let direct = self.direct.as_ref().filter(|_| is_extended);
+        direct.is_some_and(|direct| direct.may_use_extent(domain))
+    }
+
+    /// Generates a loop over the elements of a domain; see [`Emitter::round`]. Gives up if there are too many.
+    pub fn extent_round(
+        &mut self,
+        (local, domain): (Local, DomainId),
+        inner: &[BoundRange],
+        counting: Counting,
+        body: &mut dyn FnMut(&mut Self, Block),
+    ) {
+        let Some((elements, count)) = self.extent(domain) else {
+            self.gives_up();
+            return;
+        };
+        let many = self.compare(IntCC::UnsignedGreaterThan, count, i64::from(MAX_CREATED));
+        self.bail_if(many);
+        let (head, next, done) = (self.block(), self.block(), self.block());
+        let index = self.builder.append_block_param(head, I64);
+        let none = self.number(I64, 0);
+        self.builder
+            .ins()
+            .brif(count, head, &[none.into()], done, &[]);
+        self.begin(head);
+        let bytes = self.builder.ins().imul_imm_s(index, at::VALUE_SIZE);
+        let element = self.builder.ins().iadd(elements, bytes);
+        let value = self.load(self.memory.extents, I32, element, at::PAYLOAD);
+        let outer = self.scope.locals[local as usize];
+        self.scope.locals[local as usize] = KnownValue::Atom(AtomCode {
+            value,
+            among: Some(AtomRange::Domain(domain)),
+        });
+        if let Some(loops) = self.loops.last_mut() {
+            loops.rounds.push((index, total(inner)));
+        }
+        self.repeated(u64::from(MAX_CREATED), |this| {
+            if inner.is_empty() {
+                body(this, next);
+            } else {
+                this.round(inner, counting, body);
+                this.jump(next);
+            }
+        });
+        if let Some(loops) = self.loops.last_mut() {
+            loops.rounds.pop();
+        }
+        self.scope.locals[local as usize] = outer;
+        self.begin(next);
+        let successor = self.builder.ins().iadd_imm_s(index, 1);
+        let is_last = self.builder.ins().icmp(IntCC::Equal, successor, count);
+        self.builder
+            .ins()
+            .brif(is_last, done, &[], head, &[successor.into()]);
+        self.begin(done);
+    }
+
+    /// Loads the address and the number of the elements of a domain.
+    fn extent(&mut self, domain: DomainId) -> Option<(Ssa, Ssa)> {
+        let index = self.direct.as_mut()?.extent(domain)?;
+        let [elements, count] = crate::direct_frame::extent_offsets(index);
+        Some((self.field(I64, elements), self.field(I64, count)))
+    }
+
+    /// Leaves for the detour if an atom is not an element of a domain, which has these constants.
+    pub fn check_atom(&mut self, domain: DomainId, first: u32, count: u32, atom: AtomCode) {
+        let declared = self.program.atom_domains.len();
+        let is_element = match atom.among {
+            Some(AtomRange::Domain(of)) => is_subset(self.program, of, domain),
+            Some(among @ AtomRange::Atoms(..)) => among.is_within(first, count),
+            None => false,
+        };
+        if is_element {
+            return;
+        }
+        let above = self.builder.ins().iadd_imm_s(atom.value, -i64::from(first));
+        let outside = self.compare(IntCC::UnsignedGreaterThanOrEqual, above, i64::from(count));
+        // if all created elements are created for subsets, they belong to the domain
+        let mut domains = (0..).map(DomainId).zip(&self.program.domains);
+        let owns_created = self.program.domains[domain.0 as usize].is_extended
+            && domains.all(|(id, of)| !of.is_created_for || is_subset(self.program, id, domain));
+        if !owns_created {
+            return self.bail_if(outside);
+        }
+        let is_declared = self.compare(IntCC::UnsignedLessThan, atom.value, declared as i64);
+        let outside = self.builder.ins().band(outside, is_declared);
+        self.bail_if(outside);
+    }
+}
