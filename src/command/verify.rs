@@ -13,6 +13,7 @@ mod mutants;
 mod options;
 mod progress;
 mod run;
+mod search;
 mod show;
 mod system;
 mod watch;
@@ -27,6 +28,7 @@ use asmotion_verify::{Progress, SystemSpecification, Verdict, Verification, veri
 use clap::Args;
 use composite::CompositeOptions;
 use engine::EngineOption;
+use search::SearchOptions;
 use std::path::PathBuf;
 use std::time::Duration;
 use system::SystemOptions;
@@ -119,6 +121,9 @@ pub struct Verify {
     /// Verifies again when a file of the specification changes, and shows which verdicts change
     #[arg(long, conflicts_with = "json")]
     watch: bool,
+
+    #[command(flatten)]
+    search: SearchOptions,
 
     #[command(flatten)]
     system: SystemOptions,
@@ -284,14 +289,14 @@ impl Verify {
     }
 }
 
-/// The exit code of a verification: a violation counts more than a property that is not known.
+/// The exit code of a verification: a violation counts more than a property that is not known, or not for certain.
 fn exit(verification: &Verification) -> Exit {
     let properties = &verification.properties;
     if properties.iter().any(|it| it.verdict.is_violated()) {
         Exit::Findings
     } else if properties
         .iter()
-        .any(|it| matches!(it.verdict, Verdict::Unknown))
+        .any(|it| matches!(it.verdict, Verdict::Unknown) || words::is_qualified(it, verification))
     {
         Exit::Undecided
     } else {

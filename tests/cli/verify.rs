@@ -430,3 +430,60 @@ fn options_of_composites_are_refused_where_they_have_no_effect() {
         assert_eq!(exit, 2, "{arguments:?}: {out}{err}");
     }
 }
+
+#[test]
+fn verdicts_do_not_depend_on_threads_and_say_what_storage_they_depend_on() {
+    const RECOVERY: &str = "specs/recovery/recovery.asm";
+    let (_, one, _) = run(&["verify", PHILOSOPHERS, "--threads", "1"]);
+    let (_, many, _) = run(&["verify", PHILOSOPHERS, "--threads", "5"]);
+    assert_eq!(without_time(&one), without_time(&many));
+    let (exit, exact, _) = run(&["verify", RECOVERY]);
+    let (disk_exit, disk, _) = run(&["verify", RECOVERY, "--storage", "disk"]);
+    assert_eq!(
+        (exit, without_time(&exact)),
+        (disk_exit, without_time(&disk))
+    );
+    let (exit, out, err) = run(&["verify", RECOVERY, "--storage", "compact"]);
+    assert_eq!(exit, 4, "{out}{err}");
+    let holds = out.lines().filter(|line| line.starts_with("  holds"));
+    for line in holds {
+        assert!(
+            line.starts_with("  holds unless a state was missed:"),
+            "{out}"
+        );
+    }
+    assert!(
+        out.contains("expected number of states that were missed is"),
+        "{out}"
+    );
+    let (exit, out, _) = run(&["verify", RECOVERY, "--storage", "compact", "--json"]);
+    assert_eq!(exit, 4);
+    assert!(
+        out.contains("\"holds-unless-missed\"") && !out.contains("\"holds\""),
+        "{out}"
+    );
+}
+
+#[test]
+fn storage_that_fails_or_does_not_fit_is_refused() {
+    let missing = [
+        "verify",
+        PHILOSOPHERS,
+        "--storage",
+        "disk",
+        "--storage-folder",
+    ];
+    let (exit, _, err) = run(&[&missing[..], &["/nonexistent/folder"]].concat());
+    // a small exploration needs no file
+    assert!(exit == 1 && !err.contains("M013"), "{err}");
+    for arguments in [
+        &["--storage-folder", "/tmp"][..],
+        &["--storage", "compact", "--mutants"],
+        &["--storage", "compact", "--advice"],
+    ] {
+        let (exit, _, err) = run(&[&["verify", LAMP][..], arguments].concat());
+        assert_eq!(exit, 2, "{arguments:?}: {err}");
+    }
+    let (exit, _, err) = run(&["verify", LAMP, "--threads", "0"]);
+    assert_eq!(exit, 2, "{err}");
+}

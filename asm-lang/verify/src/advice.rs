@@ -90,7 +90,7 @@ impl OccurringValues {
         let mut found: BTreeMap<(usize, FunctionId), BTreeSet<Value>> = BTreeMap::new();
         let mut last = None;
         for node in 0..exploration.nodes() {
-            let state = exploration.state_of.get(node as usize).copied();
+            let state = exploration.state_of.get(node as usize);
             if state == last {
                 continue;
             }

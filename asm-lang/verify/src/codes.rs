@@ -12,6 +12,7 @@ pub(crate) mod m009;
 pub(crate) mod m010;
 pub(crate) mod m011;
 pub(crate) mod m012;
+pub(crate) mod m013;
 pub(crate) mod m020;
 pub(crate) mod m030;
 
@@ -32,6 +33,7 @@ pub const CODES: &[&Code] = &[
     m010::NothingProvided::CODE,
     m011::MailboxOverflow::CODE,
     m012::SeveralMachines::CODE,
+    m013::StorageFailure::CODE,
     m020::UnknownFairName::CODE,
     m030::NotSymbolic::CODE,
 ];

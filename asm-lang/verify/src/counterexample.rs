@@ -129,6 +129,12 @@ pub(crate) struct Replay<'a, S> {
 impl<S: TransitionSystem> Replay<'_, S> {
     /// Executes a path.
     pub fn run(&self, path: &NodePath) -> Run {
+        let concrete = if self.exploration.stands_for_others() {
+            self.concrete(path)
+        } else {
+            None
+        };
+        let path = concrete.as_ref().unwrap_or(path);
         let mut system = self.system.clone();
         system.keep_candidates();
         let begin = |machine| Trace::begin(machine, "a run that `asmotion verify` found");
@@ -185,7 +191,7 @@ impl<S: TransitionSystem> Replay<'_, S> {
 
     /// Enters an initial state. The steps of an environment are part of the first transition.
     fn begin(&self, system: &mut S, node: u32, traces: &mut [Trace], run: &mut Run) {
-        let wanted = self.exploration.state(node);
+        let wanted = self.exploration.state_number(node);
         let machines = system.machines().to_vec();
         let mut before = Vec::new();
         system.pack(&mut before);
@@ -195,7 +201,8 @@ impl<S: TransitionSystem> Replay<'_, S> {
             let done = system.begin(&decisions);
             packed.clear();
             system.pack(&mut packed);
-            if done.is_err() || *packed == *wanted || !decisions.advance() {
+            let is_it = self.exploration.number_of(system, &packed) == wanted;
+            if done.is_err() || is_it || !decisions.advance() {
                 break;
             }
             system.restore(&before);

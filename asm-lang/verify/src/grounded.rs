@@ -6,9 +6,10 @@ mod command;
 mod layout;
 mod machine_steps;
 mod run;
+mod steps;
 mod store;
 
-use crate::explore::{Conditions, Exploration, ExplorationError, Limits, Progress};
+use crate::explore::{Conditions, Exploration, ExplorationError, ExplorationOptions, Progress};
 use crate::fair_moves::FairMoves;
 use crate::inputs::InputRanges;
 use crate::transition::TransitionSystem;
@@ -88,8 +89,7 @@ impl Grounded {
 pub(crate) fn explore<S: TransitionSystem>(
     system: &S,
     conditions: &Conditions,
-    limits: Limits,
-    keeps_edges: bool,
+    options: &ExplorationOptions,
     fair: &FairMoves,
     proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Option<Exploration>, ExplorationError> {
@@ -110,8 +110,7 @@ pub(crate) fn explore<S: TransitionSystem>(
             grounded: &grounded,
             layout: &layout,
             conditions,
-            limits,
-            keeps_edges,
+            options,
             fair,
         };
         let stopped = match layout.words {

@@ -12,7 +12,7 @@ use asmotion_lang::Value;
 use rustc_hash::FxHashMap;
 
 /// Limit for the executions of steps while the moves between layers are sought.
-const MAX_LAYER_EXECUTIONS: u32 = 1 << 16;
+pub(crate) const MAX_LAYER_EXECUTIONS: u32 = 1 << 16;
 
 /// Limit for the pairs of moves that are compared.
 const MAX_MOVE_PAIRS: usize = 1 << 22;

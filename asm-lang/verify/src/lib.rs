@@ -28,12 +28,15 @@
 
 mod advice;
 mod codes;
+mod concrete;
 mod counterexample;
 mod decisions;
 mod delivery;
 mod due_fairness;
 mod environment;
+mod expansion;
 mod explore;
+mod explorer;
 mod exported_value;
 mod fair_moves;
 mod final_states;
@@ -48,11 +51,13 @@ mod machines;
 mod mail;
 mod mutation;
 mod options;
+mod parents;
 mod post;
 mod preparation;
 mod property;
 mod reads;
 mod simplest;
+mod spill;
 mod store;
 #[cfg(feature = "symbolic")]
 mod symbolic;
@@ -74,8 +79,9 @@ pub use growth::GrowingLocation;
 pub use guards::RunGuard;
 pub use mail::{ContentValues, MessageModel};
 pub use mutation::{Mutant, mutants};
-pub use options::{Engine, FairName, InputValues, Options};
+pub use options::{Engine, FairName, InputValues, Options, Storage};
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
+pub use spill::{SpillFile, SpillSpace};
 pub use system::{
     ConnectedLocation, InputConnection, MachineSchedule, MessageLink, SystemSpecification,
     VerifiedMachine,

@@ -195,8 +195,8 @@ impl Checker {
             let taken = graph.edges_with(|label| moves(label, index));
             // enabled in the whole exploration, of which a path has some edges only
             let is_enabled = |place: usize| {
-                let labels = exploration.labels(node(place as u32));
-                labels.iter().any(|label| exploration.moves(*label, index))
+                let mut labels = exploration.labels(node(place as u32));
+                labels.any(|label| exploration.moves(label, index))
             };
             if due.is_strong {
                 let enabled = Bits::from_fn(count, is_enabled);

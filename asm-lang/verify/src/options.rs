@@ -2,8 +2,10 @@
 
 use crate::explore::Limits;
 use crate::mail::{ContentValues, MessageModel};
+use crate::spill::SpillSpace;
 use asmotion_lang::Value;
 use asmotion_lang::ir::FunctionId;
+use std::sync::Arc;
 
 /// The values of an input, in place of those of its codomain.
 #[derive(Clone, Debug)]
@@ -37,6 +39,19 @@ pub enum Engine {
     Symbolic,
 }
 
+/// How the states that were found are stored.
+#[derive(Clone, Debug, Default)]
+pub enum Storage {
+    /// In memory.
+    #[default]
+    Exact,
+    /// As fingerprints of 64 bits, if they are smaller than the states. States with the same fingerprint are taken for one state:
+    /// see [`Verification::expected_missed`](crate::Verification::expected_missed). Advice needs exact states.
+    Compact,
+    /// In files, apart from an index of about 16 bytes for each state.
+    Disk(Arc<dyn SpillSpace>),
+}
+
 /// What is verified, and how far.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -64,6 +79,10 @@ pub struct Options {
     pub contents: Vec<ContentValues>,
     /// The way in which states are explored.
     pub engine: Engine,
+    /// How states are stored, if they are explored one by one.
+    pub storage: Storage,
+    /// Number of threads that explore states one by one; 0 counts as 1. The result does not depend on it.
+    pub threads: usize,
     /// How messages travel.
     pub messages: MessageModel,
     /// `true` to let a machine execute every step. By default, the steps of one specification over finite ranges are executed in

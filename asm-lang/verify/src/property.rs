@@ -24,6 +24,18 @@ pub struct CheckedProperty {
     pub notes: Vec<Note>,
 }
 
+impl CheckedProperty {
+    /// Returns `true` if the verdict says something about all states, so that no run can show it.
+    pub fn is_about_all_states(&self) -> bool {
+        match &self.verdict {
+            Verdict::Holds(None) | Verdict::Violated(None) => true,
+            // of other formulas, a witness is one among many paths
+            Verdict::Holds(Some(_)) => self.kind != PropertyKind::Possible,
+            Verdict::Violated(Some(_)) | Verdict::Unknown => false,
+        }
+    }
+}
+
 /// The kind of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PropertyKind {

@@ -2,7 +2,7 @@
 
 use crate::counterexample::{NodePath, Replay};
 use crate::explore::Exploration;
-use crate::layers::{FailingStep, LayeredPath, best_path};
+use crate::layers::{FailingStep, LayeredPath, MAX_LAYER_EXECUTIONS, best_path};
 use crate::transition::TransitionSystem;
 use std::collections::BTreeSet;
 
@@ -18,6 +18,9 @@ impl<S: TransitionSystem> Replay<'_, S> {
         let Some(first) = goals.first() else {
             return NodePath::default();
         };
+        if self.exploration.stands_for_others() {
+            return NodePath::to(self.exploration, *first);
+        }
         let layers = stem(self.exploration, goals);
         match self.best(&layers, None, None) {
             Some(found) => path_of(found, None),
@@ -30,6 +33,9 @@ impl<S: TransitionSystem> Replay<'_, S> {
         let (Some(last), Some(failing)) = (path.nodes.last(), &path.failing) else {
             return path;
         };
+        if self.exploration.stands_for_others() {
+            return path;
+        }
         let layers = stem(self.exploration, &[*last]);
         match self.best(&layers, Some(FailingStep(failing)), None) {
             Some(mut found) => {
@@ -48,6 +54,9 @@ impl<S: TransitionSystem> Replay<'_, S> {
         let Some(last) = path.nodes.last() else {
             return path;
         };
+        if self.exploration.stands_for_others() {
+            return path;
+        }
         let is_shortest = self.exploration.path(*last).len() == path.nodes.len();
         let other = is_shortest.then(|| self.simplest_to(&[*last]));
         match other.filter(|other| other.nodes.len() == path.nodes.len() && shows(other)) {
@@ -63,6 +72,9 @@ impl<S: TransitionSystem> Replay<'_, S> {
         else {
             return path;
         };
+        if self.exploration.stands_for_others() {
+            return path;
+        }
         let is_shortest = self.exploration.path(*first).len() == cycle + 1;
         let stem = if is_shortest {
             stem(self.exploration, &[*first])
@@ -104,6 +116,13 @@ impl<S: TransitionSystem> Replay<'_, S> {
         failing: Option<FailingStep<'_>>,
         labelled: Option<&NodePath>,
     ) -> Option<LayeredPath> {
+        // too many, as at least one step of each node is executed
+        let starts = layers
+            .split_last()
+            .map_or(0, |(_, starts)| starts.iter().map(Vec::len).sum());
+        if starts > MAX_LAYER_EXECUTIONS as usize {
+            return None;
+        }
         let mut system = self.system.clone();
         system.keep_candidates();
         let wanted = labelled.map(|path| path.moved.as_slice());
@@ -149,8 +168,8 @@ fn stem(exploration: &Exploration, goals: &[u32]) -> Layers {
         let nodes = exploration.level(level);
         let next: BTreeSet<u32> = layers.last().into_iter().flatten().copied().collect();
         let leads_on = |node: &u32| {
-            let mut successors = exploration.successors(*node).iter();
-            !exploration.keeps_edges || successors.any(|it| next.contains(it))
+            let mut successors = exploration.successors(*node);
+            !exploration.keeps_edges || successors.any(|it| next.contains(&it))
         };
         layers.push(nodes.filter(leads_on).collect());
     }
@@ -163,7 +182,7 @@ fn cycle_layers(exploration: &Exploration, node: u32, length: usize) -> Option<L
     let mut layers: Vec<BTreeSet<u32>> = vec![BTreeSet::from([node])];
     for _ in 0..length {
         let from = layers.last()?.iter();
-        let next = from.flat_map(|node| exploration.successors(*node)).copied();
+        let next = from.flat_map(|node| exploration.successors(*node));
         let next: BTreeSet<u32> = next.collect();
         if next.len() > MAX_CYCLE_LAYER {
             return None;
@@ -174,8 +193,8 @@ fn cycle_layers(exploration: &Exploration, node: u32, length: usize) -> Option<L
     for index in (0..length).rev() {
         let next = layers.get(index + 1)?.clone();
         layers.get_mut(index)?.retain(|node| {
-            let mut successors = exploration.successors(*node).iter();
-            successors.any(|it| next.contains(it))
+            let mut successors = exploration.successors(*node);
+            successors.any(|it| next.contains(&it))
         });
     }
     let lists = layers.into_iter().map(|layer| layer.into_iter().collect());

@@ -4,11 +4,13 @@ use crate::advice::{SpecificationAdvice, advice};
 use crate::codes::m001::InputWithoutRange;
 use crate::codes::m002::TooManyAlternatives;
 use crate::codes::m006::NothingAssumed;
+use crate::codes::m013::StorageFailure;
 use crate::codes::main_rule;
 use crate::counterexample::Replay;
 use crate::due_fairness::DueFairness;
 use crate::environment::EnvironmentModel;
-use crate::explore::{Exploration, ExplorationError, Explorer, Incomplete, Progress};
+use crate::explore::{Exploration, ExplorationError, ExplorationOptions, Incomplete, Progress};
+use crate::explorer::Explorer;
 use crate::fair_moves::FairMoves;
 use crate::grounded;
 use crate::growth::{GrowingLocation, growing_locations};
@@ -20,6 +22,7 @@ use crate::options::Engine;
 use crate::options::{InputValues, Options};
 use crate::preparation::{Prepared, prepare, report_of};
 use crate::property::CheckedProperty;
+use crate::store::{StateStorage, expected_missed};
 use crate::system::{SystemSpecification, VerifiedMachine};
 use crate::system_plan::SystemPlan;
 use crate::transition::{SingleMachine, TransitionSystem};
@@ -48,6 +51,10 @@ pub struct Verification {
     pub incomplete: Option<Incomplete>,
     /// Locations that take ever new values, if not all states were explored.
     pub growing: Vec<GrowingLocation>,
+    /// Expected number of states that were taken for others, and so were not explored, if only fingerprints of states were stored;
+    /// otherwise no state was. Then a verdict holds with a probability only if it is about all states:
+    /// see [`CheckedProperty::is_about_all_states`].
+    pub expected_missed: Option<f64>,
     /// `true` if the steps were executed in grounded form.
     pub is_grounded: bool,
     /// Memory in use for states and transitions at the end of the exploration, in bytes.
@@ -271,19 +278,24 @@ impl Exploring<'_> {
         };
         let properties = verdicts(self.properties, &replay, &self.options.only)
             .map_err(|error| (0, report_of(error.diagnostic())))?;
-        let (advice, has_advice_on_steps) =
-            if self.options.advice && exploration.incomplete.is_none() {
-                advice(&system, &exploration, self.known)
-            } else {
-                (Vec::new(), true)
-            };
-        let growing = if exploration.incomplete.is_some() {
+        let has_advice = self.options.advice && !exploration.stands_for_others();
+        let (advice, has_advice_on_steps) = if has_advice && exploration.incomplete.is_none() {
+            advice(&system, &exploration, self.known)
+        } else {
+            (Vec::new(), true)
+        };
+        let growing = if exploration.incomplete.is_some() && !exploration.stands_for_others() {
             growing_locations(&system, &exploration, self.known)
         } else {
             Vec::new()
         };
         let (states, depth) = (exploration.state_count(), exploration.depth());
+        // the search for runs and locations may have read what cannot be read
+        let checked = exploration.check_storage();
+        checked.map_err(|error| self.explain(&system, &error))?;
+        let is_compact = exploration.is_compact();
         Ok(Verification {
+            expected_missed: is_compact.then(|| expected_missed(states)),
             machines: Vec::new(),
             properties,
             states,
@@ -306,18 +318,22 @@ impl Exploring<'_> {
         system: &S,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
-        let (conditions, limits) = (&self.properties.conditions, self.options.limits);
-        let keeps_edges = self.properties.needs_graph();
+        let conditions = &self.properties.conditions;
+        let options = ExplorationOptions {
+            limits: self.options.limits,
+            keeps_edges: self.properties.needs_graph(),
+            threads: self.options.threads.max(1),
+            storage: StateStorage::of(&self.options.storage),
+        };
         // advice counts every branch, which grounded steps do not have
         let is_groundable = !self.options.without_grounding && !self.options.advice;
         if is_groundable {
-            let grounded =
-                grounded::explore(system, conditions, limits, keeps_edges, self.fair, proceed)?;
+            let grounded = grounded::explore(system, conditions, &options, self.fair, proceed)?;
             if let Some(exploration) = grounded {
                 return Ok(exploration);
             }
         }
-        Explorer::new(system.clone(), conditions, limits, keeps_edges, self.fair).run(proceed)
+        Explorer::new(system.clone(), conditions, &options, self.fair).run(proceed)
     }
 
     /// Explores a specification with decision diagrams.
@@ -350,6 +366,7 @@ impl Exploring<'_> {
             depth: found.depth,
             incomplete: found.incomplete,
             growing: Vec::new(),
+            expected_missed: None,
             advice: Vec::new(),
             has_advice_on_steps: false,
             is_grounded: false,
@@ -376,7 +393,7 @@ impl Exploring<'_> {
             ExplorationError::Input(fault) | ExplorationError::Initial(fault) => {
                 (fault.machine, Some(fault))
             }
-            ExplorationError::Alternatives => (0, None),
+            ExplorationError::Alternatives | ExplorationError::Storage(_) => (0, None),
         };
         let Some(known) = self.known.get(index) else {
             return (index, Report::new());
@@ -391,6 +408,13 @@ impl Exploring<'_> {
                     .map(|fault| InputWithoutRange::of(specification, machine, fault).diagnostic())
             }
             (_, Some(fault), _) => Some(fault.diagnostic(specification, None)),
+            (ExplorationError::Storage(reason), None, _) => {
+                let failure = StorageFailure {
+                    reason: reason.clone(),
+                    at: main_rule(specification),
+                };
+                Some(failure.diagnostic())
+            }
             (_, None, _) => Some(TooManyAlternatives::of(specification).diagnostic()),
         };
         (index, diagnostic.map(report_of).unwrap_or_default())

@@ -154,7 +154,7 @@ fn fairness_of_agents_and_rules_has_the_results_of_machines() {
 }
 
 /// The specifications below a folder.
-fn specifications(folder: &std::path::Path, found: &mut Vec<std::path::PathBuf>) {
+pub fn specifications(folder: &std::path::Path, found: &mut Vec<std::path::PathBuf>) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
     };

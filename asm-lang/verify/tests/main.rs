@@ -20,8 +20,10 @@ mod naive_systems;
 mod runs;
 mod simplest;
 mod specs;
+mod storage;
 mod symbolic;
 mod systems;
+mod threads;
 mod unbounded;
 
 use asmotion_lang::{MemoryFiles, Specification};

@@ -1,7 +1,7 @@
 //! Results of a verification as JSON.
 
 use super::interrupt;
-use super::words::{kind, machine_name, place_in, verdict};
+use super::words::{is_qualified, kind, machine_name, place_in, verdict};
 use asmotion_verify::{AdviceKind, Incomplete, Run, RunGuard, Verification, VerifiedMachine};
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -10,6 +10,12 @@ use std::time::Duration;
 pub fn verification(path: &str, verification: &Verification, time: Duration) -> Value {
     let machines = verification.machines.as_slice();
     let properties = verification.properties.iter().map(|property| {
+        let word = verdict(&property.verdict);
+        let word = if is_qualified(property, verification) {
+            format!("{word}-unless-missed")
+        } else {
+            word.to_owned()
+        };
         let place = property
             .place
             .map(|place| place_in(machines, property.machine, place));
@@ -19,7 +25,7 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
             "name": property.name,
             "text": property.text,
             "place": place,
-            "verdict": verdict(&property.verdict),
+            "verdict": word,
             "run": property.verdict.run().map(|run| run_json(run, machines)),
         })
     });
@@ -51,6 +57,7 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "assumptions": verification.assumptions,
         "advice": advice.collect::<Vec<Value>>(),
         "growing": growing.collect::<Vec<Value>>(),
+        "expected_missed": verification.expected_missed,
         "incomplete": verification.incomplete.map(incomplete_word),
         "milliseconds": time.as_millis() as u64,
     })

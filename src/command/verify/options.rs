@@ -27,6 +27,13 @@ impl Verify {
                 return Err(Exit::Usage);
             }
         };
+        let storage = match self.storage() {
+            Ok(storage) => storage,
+            Err(text) => {
+                terminal.error(text);
+                return Err(Exit::Usage);
+            }
+        };
         let terms = self.property.iter().filter(|text| !is_declared(text));
         let mut options = Options {
             limits: Limits {
@@ -50,6 +57,8 @@ impl Verify {
             keeps_states: self.itf.is_some(),
             inputs: Vec::new(),
             engine,
+            threads: self.threads(),
+            storage,
             messages: self.system.message_model(),
             ..Options::default()
         };

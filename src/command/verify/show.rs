@@ -2,7 +2,7 @@
 
 use super::run::show_run;
 use super::words::{
-    counted, duration, heading, incomplete, machine_name, number, place_in, verdict,
+    counted, duration, heading, incomplete, machine_name, number, place_in, qualified_verdict,
 };
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_verify::{CheckedProperty, Note, PropertyKind, Verdict, Verification};
@@ -23,15 +23,25 @@ pub fn text(
         let properties = verification.properties.iter();
         properties.filter(|it| is(&it.verdict)).count() as u64
     };
+    // a verdict that depends on all states is marked in its own line, too
+    let unless = match verification.expected_missed {
+        Some(_) => " unless a state was missed",
+        None => "",
+    };
     let states = counted(verification.states, "state");
     let transitions = counted(verification.transitions, "transition");
     let (depth, time) = (counted(verification.depth.into(), "step"), duration(time));
     terminal.result(format_args!(
-        "  {} hold, {} violated, {} not known: {states}, {transitions}, {depth} deep, {time}",
+        "  {} hold{unless}, {} violated, {} not known: {states}, {transitions}, {depth} deep, {time}",
         number(count(Verdict::holds)),
         number(count(Verdict::is_violated)),
         number(count(|it| matches!(it, Verdict::Unknown))),
     ));
+    if let Some(missed) = verification.expected_missed {
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} states were stored as fingerprints of 64 bits: the expected number of states that were missed is {missed:.1e}; `--storage exact` and `--storage disk` miss none"
+        ));
+    }
     for assumption in &verification.assumptions {
         terminal.result(format_args!("  {NOTE}assumed{NOTE:#} {assumption}"));
     }
@@ -104,7 +114,7 @@ fn show_property(
         .place
         .map(|place| place_in(machines, property.machine, place));
     let at = at.map_or_else(String::new, |at| format!("  {FAINT}{at}{FAINT:#}"));
-    let word = verdict(&property.verdict);
+    let word = qualified_verdict(property, verification);
     let heading = heading(property);
     terminal.result(format_args!("  {colour}{word:<9}{colour:#} {heading}{at}"));
     for note in &property.notes {

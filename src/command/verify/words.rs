@@ -2,7 +2,9 @@
 
 use super::interrupt;
 use asmotion_lang::{Span, Specification};
-use asmotion_verify::{CheckedProperty, Incomplete, PropertyKind, Verdict, VerifiedMachine};
+use asmotion_verify::{
+    CheckedProperty, Incomplete, PropertyKind, Verdict, Verification, VerifiedMachine,
+};
 use std::time::Duration;
 
 /// A number with separators, as in `1,745,408`.
@@ -62,6 +64,21 @@ pub fn verdict(verdict: &Verdict) -> &'static str {
         Verdict::Holds(_) => "holds",
         Verdict::Violated(_) => "violated",
         Verdict::Unknown => "unknown",
+    }
+}
+
+/// Returns `true` if the verdict is about all states, of which one may have been missed.
+pub fn is_qualified(property: &CheckedProperty, verification: &Verification) -> bool {
+    verification.expected_missed.is_some() && property.is_about_all_states()
+}
+
+/// The verdict of a property, with what it depends on.
+pub fn qualified_verdict(property: &CheckedProperty, verification: &Verification) -> String {
+    let word = verdict(&property.verdict);
+    if is_qualified(property, verification) {
+        format!("{word} unless a state was missed:")
+    } else {
+        word.to_owned()
     }
 }
 

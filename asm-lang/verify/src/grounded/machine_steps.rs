@@ -9,6 +9,25 @@ use asmotion_ground::{GroundProgram, Sort};
 use asmotion_lang::hir::AddedTerm;
 use asmotion_lang::{Machine, Value};
 
+/// Returns the words of the state in which a machine is; `None` if they cannot express it.
+pub(crate) fn words_of<const W: usize>(
+    program: &GroundProgram,
+    layout: &WordLayout,
+    machine: &Machine,
+) -> Option<Words<W>> {
+    let slots = machine.slots();
+    let mut state = [0; W];
+    for (variable, field) in program.variables.iter().zip(&layout.fields) {
+        let value = slots.get(variable.slot as usize)?;
+        let (sort, number) = Sort::number(value)?;
+        if sort.is_some_and(|sort| sort != variable.sort) {
+            return None;
+        }
+        field.set(&mut state, field.code(number)?);
+    }
+    Some(state)
+}
+
 /// What a machine finds about the steps of a state.
 #[derive(Debug)]
 pub(crate) struct MachineSteps<const W: usize> {

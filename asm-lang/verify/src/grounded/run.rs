@@ -1,32 +1,30 @@
 //! The exploration in breadth-first order.
 
-use super::command::{CompiledCondition, ConditionCode, GroundTruth, NoSuccessor, StepCode};
+use super::command::{CompiledCondition, ConditionCode, GroundTruth, StepCode};
 use super::layout::{WordLayout, Words};
-use super::machine_steps::{NotWords, WordMachine};
+use super::machine_steps::{NotWords, WordMachine, words_of};
+use super::steps::{GroundedSteps, ReachedWords, StateSteps, StepsOfStates};
 use super::store::{HashedState, WordStore};
 use super::{Grounded, GroundedStep};
-use crate::decisions::{Decisions, MAX_EXECUTIONS};
 use crate::explore::{
-    Conditions, Exploration, ExplorationError, Incomplete, Limits, NO_PARENT, Progress, Reached,
-    Truths, WordStates,
+    Conditions, Exploration, ExplorationError, ExplorationOptions, Incomplete, Progress, Reached,
+    WordStates,
 };
 use crate::fair_moves::{FairMoves, MovedSet};
 use crate::inputs::InputRanges;
-use asmotion_ground::{
-    FAULT, GroundAlternative, GroundProgram, GroundRule, GroundUpdates, Valuation, evaluate,
-    execute,
-};
+use asmotion_ground::{FAULT, GroundProgram};
 use asmotion_lang::{Machine, Value};
 use std::collections::HashMap;
 use std::fmt;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What to explore, and how far.
 pub(crate) struct RunRequest<'a> {
     pub grounded: &'a Grounded,
     pub layout: &'a WordLayout,
     pub conditions: &'a Conditions,
-    pub limits: Limits,
-    pub keeps_edges: bool,
+    pub options: &'a ExplorationOptions,
     pub fair: &'a FairMoves,
 }
 
@@ -50,74 +48,40 @@ impl From<NotWords> for StoppedRun {
     }
 }
 
-/// The successors of a state.
-struct Successors<const W: usize> {
-    states: Vec<HashedState<W>>,
-    /// What the step to each state moves, if fairness refers to it.
-    moved: Vec<MovedSet>,
-    /// Number of executions that update a location.
-    updating: u64,
-    /// `true` if an execution updates nothing, as far as this is examined.
-    is_idle: bool,
-}
+/// Number of states that a thread takes at a time.
+const PART_STATES: u32 = 256;
 
-/// The inputs and choices of an execution, as far as they are decided.
-struct DecidedNumbers<'a> {
-    program: &'a GroundProgram,
-    decisions: &'a Decisions,
-    /// Numbers of the inputs that the execution has read.
-    read: &'a mut Vec<(u32, i64)>,
-}
+/// Number of states in a round for each thread. A round is small, so that its results take little memory.
+const ROUND_STATES: u32 = 2048;
 
-impl Valuation for DecidedNumbers<'_> {
-    fn input(&mut self, input: u32) -> i64 {
-        if let Some((_, number)) = self.read.iter().find(|(known, _)| *known == input) {
-            return *number;
-        }
-        let Some(declared) = self.program.inputs.get(input as usize) else {
-            return FAULT;
-        };
-        let taken = self.decisions.decide(declared.values.len());
-        let number = declared.values.get(taken).copied().unwrap_or(FAULT);
-        self.read.push((input, number));
-        number
-    }
+/// Number of states from which a round is worth more than one thread.
+const MIN_SHARED_STATES: u32 = 1024;
 
-    fn choose(&mut self, count: usize) -> usize {
-        self.decisions.decide(count)
-    }
-}
-
-/// An exploration in progress.
+/// An exploration in progress. As in [`explorer`](crate::explorer), the threads find the successors of a round of states while nothing
+/// that is known changes, and one thread takes them over in order.
 pub(crate) struct GroundedRun<'a, const W: usize> {
     request: &'a RunRequest<'a>,
-    code: StepCode<W>,
-    conditions: Vec<CompiledCondition<W>>,
-    machine: WordMachine<'a>,
+    conditions: &'a [CompiledCondition<W>],
+    steps: GroundedSteps<'a, W>,
+    /// Those of the other threads.
+    others: Vec<GroundedSteps<'a, W>>,
     store: WordStore<W>,
     found: Exploration,
-    /// `true` for each command that was executed.
-    executed: Vec<bool>,
-    /// Commands without updates that may still execute counters that nothing has executed.
-    pending: Vec<usize>,
-    successors: Successors<W>,
-    updates: GroundUpdates,
     numbers: Vec<i64>,
     edges: Vec<(u32, u32)>,
-    /// `true` if fairness refers to the labels of transitions.
-    has_labels: bool,
     /// Indices of the sets in `moved_sets`.
     known_labels: HashMap<MovedSet, u32>,
-    decisions: Decisions,
-    read: Vec<(u32, i64)>,
+    /// The node to explore next, and the first one of the next level.
+    node: u32,
+    level_end: u32,
 }
 
-impl<'a, const W: usize> GroundedRun<'a, W> {
+impl<const W: usize> GroundedRun<'_, W> {
     /// Explores all states.
     pub fn explore(
         machine: &Machine,
-        ranges: &'a InputRanges,
-        request: &'a RunRequest<'a>,
+        ranges: &InputRanges,
+        request: &RunRequest<'_>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, StoppedRun> {
         let Grounded {
@@ -136,37 +100,18 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
         let conditions = conditions.iter();
         let conditions = conditions.map(|term| CompiledCondition::of(request.layout, term));
         let conditions: Vec<CompiledCondition<W>> = conditions.collect();
-        let count = conditions.len();
-        let run = Self {
+        let run = GroundedRun {
             request,
-            executed: vec![false; code.commands.len()],
-            pending: (0..code.idle.len()).collect(),
-            code,
-            conditions,
-            machine: WordMachine::new(machine, ranges),
-            store: WordStore::new(),
-            found: Exploration {
-                truths: vec![Truths::default(); count],
-                undefined: vec![0; count],
-                keeps_edges: request.keeps_edges,
-                ..Exploration::default()
-            },
-            successors: Successors {
-                states: Vec::new(),
-                moved: Vec::new(),
-                updating: 0,
-                is_idle: false,
-            },
-            updates: GroundUpdates {
-                list: Vec::new(),
-                counts: vec![0; program.counters],
-            },
+            conditions: &conditions,
+            steps: GroundedSteps::new(WordMachine::new(machine, ranges), request, &code),
+            others: Vec::new(),
+            store: WordStore::new(&request.options.storage),
+            found: Exploration::new(request.options, conditions.len()),
             numbers: Vec::new(),
             edges: Vec::new(),
-            has_labels: request.keeps_edges && !request.fair.is_empty(),
             known_labels: HashMap::new(),
-            decisions: Decisions::default(),
-            read: Vec::new(),
+            node: 0,
+            level_end: 1,
         };
         run.run(machine, proceed)
     }
@@ -188,30 +133,26 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
         self.arrive(HashedState::of(initial), None)?;
         self.found.initial = 1;
         self.found.levels.push(0);
-        let mut node = 0u32;
-        let mut level_end = 1u32;
-        while (node as usize) < self.store.len() {
-            if node == level_end {
-                self.found.levels.push(node);
-                level_end = self.store.len() as u32;
+        let threads = self.request.options.threads as u32;
+        while (self.node as usize) < self.store.len() && self.found.incomplete.is_none() {
+            let waiting = self.store.len() as u32 - self.node;
+            if threads > 1 && waiting >= MIN_SHARED_STATES {
+                let count = waiting.min(ROUND_STATES.saturating_mul(threads));
+                self.round(count, proceed)?;
+            } else if self.may_proceed(proceed) {
+                self.expand()?;
+                self.node += 1;
             }
-            let reached = Reached {
-                node,
-                states: self.store.len() as u64,
-                explored: node,
-                memory: self.store.memory() as u64,
-            };
-            let limit = self.found.incomplete;
-            let limit = limit.or_else(|| self.found.limit(self.request.limits, reached, proceed));
-            if let Some(reason) = limit {
-                self.found.incomplete = Some(reason);
-                break;
+            if self.node.is_multiple_of(256) || self.node as usize >= self.store.len() {
+                self.found.check_storage().map_err(StoppedRun::Error)?;
             }
-            self.expand(node)?;
-            node += 1;
+            self.store.forget_before(self.node);
         }
-        self.found.explored = node;
-        self.found.counts = vec![self.counts()];
+        self.found.explored = self.node;
+        if self.found.counts.is_empty() {
+            let others = self.others.iter().map(GroundedSteps::counts);
+            self.found.counts = vec![sum(self.steps.counts(), others)];
+        }
         self.found.words = Some(Box::new(StoredWords {
             store: self.store,
             program: program.clone(),
@@ -221,62 +162,160 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
         Ok(self.found)
     }
 
-    /// Finds the successors of a node.
-    fn expand(&mut self, node: u32) -> Result<(), StoppedRun> {
-        let Some(state) = self.store.get(node).copied() else {
+    /// Begins a level if the next node is the first one of it, and examines the limits.
+    fn may_proceed(&mut self, proceed: &mut dyn FnMut(Progress) -> bool) -> bool {
+        let node = self.node;
+        if node == self.level_end {
+            self.found.levels.push(node);
+            self.level_end = self.store.len() as u32;
+        }
+        let reached = Reached {
+            node,
+            states: self.store.len() as u64,
+            explored: node,
+            memory: self.store.memory() as u64,
+        };
+        let limits = self.request.options.limits;
+        let limit = self.found.incomplete;
+        self.found.incomplete = limit.or_else(|| self.found.limit(limits, reached, proceed));
+        self.found.incomplete.is_none()
+    }
+
+    /// Finds the successors of the next node.
+    fn expand(&mut self) -> Result<(), StoppedRun> {
+        let Some(state) = self.store.get(self.node) else {
             return Ok(());
         };
-        self.successors.states.clear();
-        self.successors.moved.clear();
-        self.successors.updating = 0;
-        self.successors.is_idle = false;
-        let has_failed = match self.grounded_steps(&state) {
-            Ok(()) => false,
-            Err(NoSuccessor::Wider(variable, number)) => {
-                return Err(StoppedRun::Wider(variable, number));
-            }
-            // the label of a machine's step is not known
-            Err(NoSuccessor::Machine) if self.has_labels => return Err(StoppedRun::NotGrounded),
-            Err(NoSuccessor::Machine) => self.machine_steps(node, &state)?,
-        };
-        self.found.transitions += self.successors.updating;
+        let failed = self.steps.find(&state)?;
         // the places of all successors are read first, so that the reads overlap
         let mut touched = 0;
-        for next in &self.successors.states {
+        for next in &self.steps.successors.states {
             touched |= self.store.touch(next.hash);
         }
         std::hint::black_box(touched);
-        let mut rests = !has_failed;
-        self.edges.clear();
-        for index in 0..self.successors.states.len() {
-            let Some(next) = self.successors.states.get(index).copied() else {
+        let mut rests = failed.is_empty();
+        for index in 0..self.steps.successors.states.len() {
+            let Some(next) = self.steps.successors.states.get(index).copied() else {
                 continue;
             };
             rests &= next.state == state;
-            if let Some(number) = self.arrive(next, Some((node, &state)))?
+            if let Some(number) = self.arrive(next, Some((self.node, &state)))?
                 && self.found.keeps_edges
             {
-                let moved = self.successors.moved.get(index).copied().unwrap_or(0);
-                let label = self.label(moved);
-                self.edges.push((number, label));
+                let moved = self.steps.successors.moved.get(index).copied();
+                self.edge(number, moved.unwrap_or_default());
             }
         }
+        let successors = &self.steps.successors;
+        self.finish(StateSteps {
+            end: 0,
+            updating: successors.updating,
+            is_idle: successors.is_idle,
+            rests,
+            failed,
+            stopped: None,
+        })
+    }
+
+    /// Finds the successors of the next nodes with all threads, and takes them over.
+    fn round(
+        &mut self,
+        count: u32,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<(), StoppedRun> {
+        while self.others.len() + 1 < self.request.options.threads {
+            self.others.push(self.steps.another());
+        }
+        let others = self.others.iter().map(GroundedSteps::counts);
+        let before = sum(self.steps.counts(), others);
+        let first = self.node;
+        let parts = find_shared(
+            &mut self.steps,
+            &mut self.others,
+            first..first + count,
+            &self.store,
+        );
+        for part in parts {
+            let mut start = 0;
+            for found in part.states {
+                if !self.may_proceed(proceed) {
+                    // what later states execute does not count
+                    self.found.counts = vec![self.counts_up_to(first, before)];
+                    return Ok(());
+                }
+                if let Some(stopped) = found.stopped {
+                    return Err(stopped);
+                }
+                let Some(state) = self.store.get(self.node) else {
+                    return Ok(());
+                };
+                for index in start..found.end {
+                    let number = match part.reached.get(index) {
+                        Some(ReachedWords::Known(number)) => Some(*number),
+                        Some(ReachedWords::Fresh(next)) => {
+                            self.arrive(*next, Some((self.node, &state)))?
+                        }
+                        None => None,
+                    };
+                    if let Some(number) = number
+                        && self.found.keeps_edges
+                    {
+                        let moved = part.moved.get(index).copied();
+                        self.edge(number, moved.unwrap_or_default());
+                    }
+                }
+                start = found.end;
+                self.finish(found)?;
+                self.node += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the coverage counts after the steps of the nodes from this one up to the next one; `before` are those before.
+    fn counts_up_to(&self, first: u32, before: Vec<u64>) -> Vec<u64> {
+        let mut again = self.steps.another();
+        let at_start = again.counts();
+        for node in first..self.node {
+            if let Some(state) = self.store.get(node) {
+                // cannot stop, as it did not before
+                let _ = again.find(&state);
+            }
+        }
+        let counts = again.counts().into_iter().zip(at_start);
+        let counts = counts.map(|(count, start)| count.saturating_sub(start));
+        sum(before, std::iter::once(counts.collect()))
+    }
+
+    fn edge(&mut self, target: u32, moved: MovedSet) {
+        let label = self.label(moved);
+        self.edges.push((target, label));
+    }
+
+    /// Ends the edges of the next node, and notes what else was found about it.
+    fn finish(&mut self, found: StateSteps) -> Result<(), StoppedRun> {
+        let node = self.node;
+        self.found.transitions += found.updating;
+        for (decisions, fault) in found.failed {
+            let recorded = self.found.fault(node, decisions, fault);
+            recorded.map_err(StoppedRun::Error)?;
+        }
         if self.found.keeps_edges {
-            if self.successors.is_idle {
-                let label = self.label(0);
-                self.edges.push((node, label));
+            if found.is_idle {
+                self.edge(node, 0);
             }
             self.edges.sort_unstable();
             self.edges.dedup();
-            let targets = self.edges.iter().map(|(target, _)| target);
+            let targets = self.edges.iter().map(|(target, _)| *target);
             self.found.targets.extend(targets);
-            if self.has_labels {
-                let labels = self.edges.iter().map(|(_, label)| label);
+            if self.steps.has_labels {
+                let labels = self.edges.iter().map(|(_, label)| *label);
                 self.found.labels.extend(labels);
             }
+            self.edges.clear();
             self.found.edge_ends.push(self.found.targets.len() as u64);
         }
-        if rests {
+        if found.rests {
             self.found.stuck.push(node);
         }
         Ok(())
@@ -284,7 +323,7 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
 
     /// Returns the label of steps that move this.
     fn label(&mut self, moved: MovedSet) -> u32 {
-        if !self.has_labels {
+        if !self.steps.has_labels {
             return 0;
         }
         let sets = &mut self.found.moved_sets;
@@ -306,9 +345,7 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             return Ok(None);
         };
         if is_new {
-            self.found
-                .parents
-                .push(parent.map_or(NO_PARENT, |(node, _)| node));
+            self.found.parents.push(parent.map(|(node, _)| node));
             for index in 0..self.conditions.len() {
                 self.observe(index, &new.state, parent)?;
             }
@@ -368,6 +405,7 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             return Ok(false);
         };
         let value = self
+            .steps
             .machine
             .condition(program, self.request.layout, state, term.term);
         match value.ok_or(StoppedRun::NotGrounded)? {
@@ -387,216 +425,54 @@ impl<'a, const W: usize> GroundedRun<'a, W> {
             }
         }
     }
+}
 
-    /// Finds the successors of a state by a machine; returns `true` if a step fails.
-    #[cold]
-    fn machine_steps(&mut self, node: u32, state: &Words<W>) -> Result<bool, StoppedRun> {
-        let program = &self.request.grounded.program;
-        let steps = self.machine.steps(program, self.request.layout, state)?;
-        self.successors.states.clear();
-        self.successors.updating = 0;
-        for (next, has_updates) in steps.next {
-            self.successors.updating += u64::from(has_updates);
-            self.successors.states.push(HashedState::of(next));
-        }
-        let has_failed = !steps.faults.is_empty();
-        for (decisions, fault) in steps.faults {
-            let recorded = self.found.fault(node, decisions, fault);
-            recorded.map_err(StoppedRun::Error)?;
-        }
-        Ok(has_failed)
-    }
-
-    /// Finds the successors of a state.
-    #[inline]
-    fn grounded_steps(&mut self, state: &Words<W>) -> Result<(), NoSuccessor> {
-        if let GroundedStep::Rule = self.request.grounded.step {
-            return self.executions(state);
-        }
-        let layout = self.request.layout;
-        let mut interpreted = 0;
-        for (index, command) in self.code.commands.iter().enumerate() {
-            while let Some((_, alternative)) = self
-                .code
-                .interpreted
-                .get(interpreted)
-                .filter(|(at, _)| *at <= index)
-            {
-                interpreted += 1;
-                let grounded = self.request.grounded;
-                let successors = &mut self.successors;
-                let (numbers, updates) = (&mut self.numbers, &mut self.updates);
-                alternative_step(
-                    grounded,
-                    layout,
-                    alternative,
-                    state,
-                    numbers,
-                    updates,
-                    successors,
-                )?;
-            }
-            if !command.when.holds(state) {
-                continue;
-            }
-            let next = command.next(layout, state)?;
-            self.successors.states.push(HashedState::of(next));
-            self.successors.updating += 1;
-            if self.has_labels {
-                let moved = if next == *state { 0 } else { command.moved };
-                self.successors.moved.push(moved);
-            }
-            if let Some(executed) = self.executed.get_mut(index) {
-                *executed = true;
-            }
-        }
-        while let Some((_, alternative)) = self.code.interpreted.get(interpreted) {
-            interpreted += 1;
-            let grounded = self.request.grounded;
-            let successors = &mut self.successors;
-            let (numbers, updates) = (&mut self.numbers, &mut self.updates);
-            alternative_step(
-                grounded,
-                layout,
-                alternative,
-                state,
-                numbers,
-                updates,
-                successors,
-            )?;
-        }
-        if self.found.keeps_edges && !self.successors.is_idle {
-            let mut idle = self.code.idle.iter();
-            self.successors.is_idle = idle.any(|command| command.when.holds(state));
-        }
-        if !self.pending.is_empty() {
-            self.cover(state);
-        }
-        Ok(())
-    }
-
-    /// Counts the parts that commands without updates execute.
-    fn cover(&mut self, state: &Words<W>) {
-        let Self {
-            pending,
-            code,
-            updates,
-            ..
-        } = self;
-        pending.retain(|index| {
-            let Some(command) = code.idle.get(*index) else {
-                return false;
-            };
-            let count = |counter: &u32| updates.counts.get(*counter as usize).copied();
-            if command.counters.iter().all(|it| count(it) != Some(0)) {
-                return false;
-            }
-            let holds = command.when.holds(state);
-            if holds {
-                for counter in &command.counters {
-                    if let Some(count) = updates.counts.get_mut(*counter as usize) {
-                        *count += 1;
-                    }
-                }
-            }
-            !holds
-        });
-    }
-
-    /// Executes the rule once for each combination of choices and inputs.
-    fn executions(&mut self, state: &Words<W>) -> Result<(), NoSuccessor> {
-        let Grounded { program, .. } = self.request.grounded;
-        let layout = self.request.layout;
-        layout.decode(state, &mut self.numbers);
-        self.decisions.restart();
-        let mut executions = 0;
-        loop {
-            executions += 1;
-            if executions > MAX_EXECUTIONS {
-                // the machine finds as many, and reports it
-                return Err(NoSuccessor::Machine);
-            }
-            self.read.clear();
-            let mut valuation = DecidedNumbers {
-                program,
-                decisions: &self.decisions,
-                read: &mut self.read,
-            };
-            let (numbers, updates) = (&mut self.numbers, &mut self.updates);
-            if !execute(program, &program.rule, numbers, &mut valuation, updates) {
-                return Err(NoSuccessor::Machine);
-            }
-            let next = updated(layout, state, updates)?;
-            self.successors.updating += u64::from(!updates.list.is_empty());
-            self.successors.states.push(HashedState::of(next));
-            if !self.decisions.advance() {
-                return Ok(());
-            }
-        }
-    }
-
-    /// Returns the coverage counts.
-    fn counts(&self) -> Vec<u64> {
-        let mut counts = self.updates.counts.clone();
-        for (command, executed) in self.code.commands.iter().zip(&self.executed) {
-            for counter in command.counters.iter().filter(|_| *executed) {
-                if let Some(count) = counts.get_mut(*counter as usize) {
-                    *count += 1;
-                }
-            }
-        }
-        for (count, own) in counts.iter_mut().zip(self.machine.machine.counts()) {
+/// Adds counts.
+fn sum(mut all: Vec<u64>, others: impl Iterator<Item = Vec<u64>>) -> Vec<u64> {
+    for other in others {
+        for (count, own) in all.iter_mut().zip(other) {
             *count += own;
         }
-        counts
     }
+    all
 }
 
-/// Executes an alternative part by part.
-fn alternative_step<const W: usize>(
-    grounded: &Grounded,
-    layout: &WordLayout,
-    alternative: &GroundAlternative,
-    state: &Words<W>,
-    numbers: &mut Vec<i64>,
-    updates: &mut GroundUpdates,
-    successors: &mut Successors<W>,
-) -> Result<(), NoSuccessor> {
-    layout.decode(state, numbers);
-    let mut closed = super::case::Closed;
-    for guard in &alternative.guards {
-        match evaluate(guard, numbers, &mut closed) {
-            1 => {}
-            0 => return Ok(()),
-            _ => return Err(NoSuccessor::Machine),
+/// Finds the successors of consecutive states with several threads; returns them in order.
+fn find_shared<const W: usize>(
+    own: &mut GroundedSteps<'_, W>,
+    others: &mut [GroundedSteps<'_, W>],
+    states: Range<u32>,
+    known: &WordStore<W>,
+) -> Vec<StepsOfStates<W>> {
+    let next = AtomicU32::new(states.start);
+    let work = |steps: &mut GroundedSteps<'_, W>| {
+        let mut done = Vec::new();
+        loop {
+            let start = next.fetch_add(PART_STATES, Ordering::Relaxed);
+            if start >= states.end {
+                return done;
+            }
+            let end = start.saturating_add(PART_STATES).min(states.end);
+            done.push((start, steps.find_all(start..end, known)));
         }
-    }
-    let rule: &GroundRule = &alternative.rule;
-    if !execute(&grounded.program, rule, numbers, &mut closed, updates) {
-        return Err(NoSuccessor::Machine);
-    }
-    let next = updated(layout, state, updates)?;
-    successors.updating += u64::from(!updates.list.is_empty());
-    successors.states.push(HashedState::of(next));
-    Ok(())
-}
-
-/// Returns the state after the updates.
-fn updated<const W: usize>(
-    layout: &WordLayout,
-    state: &Words<W>,
-    updates: &GroundUpdates,
-) -> Result<Words<W>, NoSuccessor> {
-    let mut next = *state;
-    for (variable, number) in &updates.list {
-        let field = layout.field(*variable).ok_or(NoSuccessor::Machine)?;
-        let code = field.code(*number);
-        field.set(
-            &mut next,
-            code.ok_or(NoSuccessor::Wider(*variable, *number))?,
-        );
-    }
-    Ok(next)
+    };
+    let mut all = std::thread::scope(|scope| {
+        let work = &work;
+        let running = others
+            .iter_mut()
+            .map(|steps| scope.spawn(move || work(steps)));
+        let running: Vec<_> = running.collect();
+        let mut all = work(own);
+        for thread in running {
+            match thread.join() {
+                Ok(done) => all.extend(done),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        all
+    });
+    all.sort_by_key(|(start, _)| *start);
+    all.into_iter().map(|(_, found)| found).collect()
 }
 
 /// The states of a finished exploration.
@@ -623,7 +499,7 @@ impl<const W: usize> WordStates for StoredWords<W> {
     fn bytes(&self, state: u32) -> Vec<u8> {
         let mut machine = self.machine.clone();
         let slots = machine.slots_mut();
-        let words = self.store.get(state).copied().unwrap_or([0; W]);
+        let words = self.store.get(state).unwrap_or([0; W]);
         for (variable, field) in self.program.variables.iter().zip(&self.layout.fields) {
             if let Some(slot) = slots.get_mut(variable.slot as usize) {
                 *slot = variable.sort.value(field.number(field.get(&words)));
@@ -632,6 +508,19 @@ impl<const W: usize> WordStates for StoredWords<W> {
         let mut bytes = Vec::new();
         machine.pack_state(&mut bytes);
         bytes
+    }
+
+    fn number_of(&self, machine: &Machine) -> Option<u32> {
+        let state = words_of(&self.program, &self.layout, machine)?;
+        self.store.find(&HashedState::of(state)).ok()
+    }
+
+    fn is_compact(&self) -> bool {
+        self.store.is_compact()
+    }
+
+    fn is_symmetric(&self) -> bool {
+        false
     }
 
     fn memory(&self) -> usize {

@@ -3,8 +3,10 @@
 use super::Symbolic;
 use crate::counterexample::{NodePath, Replay, Run};
 use crate::decisions::{Decision, Decisions, InputValue};
-use crate::explore::{Exploration, Explorer, Limits};
+use crate::explore::{Exploration, ExplorationOptions, Limits};
+use crate::explorer::Explorer;
 use crate::property::CheckedProperty;
+use crate::store::StateStorage;
 use crate::transition::{SingleMachine, TransitionSystem};
 use crate::verdicts::verdicts;
 use asmotion_lang::ir::{Origin, Slot};
@@ -160,8 +162,13 @@ impl Symbolic<'_> {
     pub(super) fn explored(&self, proceed: &dyn Fn() -> bool) -> Vec<CheckedProperty> {
         let system = self.system();
         let conditions = &self.properties.conditions;
-        let limits = Limits::default();
-        let explorer = Explorer::new(system.clone(), conditions, limits, true, self.fair);
+        let options = ExplorationOptions {
+            limits: Limits::default(),
+            keeps_edges: true,
+            threads: self.options.threads,
+            storage: StateStorage::Memory,
+        };
+        let explorer = Explorer::new(system.clone(), conditions, &options, self.fair);
         let Ok(exploration) = explorer.run(&mut |_| proceed()) else {
             return Vec::new();
         };

@@ -1,0 +1,413 @@
+//! The successors of states, found without changing what is known of the exploration, so that several threads can find those of
+//! different states at the same time.
+
+use super::command::{NoSuccessor, StepCode};
+use super::layout::{WordLayout, Words};
+use super::machine_steps::WordMachine;
+use super::run::{RunRequest, StoppedRun};
+use super::store::{HashedState, WordStore};
+use super::{Grounded, GroundedStep};
+use crate::decisions::{Decision, Decisions, MAX_EXECUTIONS};
+use crate::fair_moves::MovedSet;
+use crate::transition::MachineFault;
+use asmotion_ground::{
+    FAULT, GroundAlternative, GroundProgram, GroundRule, GroundUpdates, Valuation, evaluate,
+    execute,
+};
+
+/// A step that fails: its decisions and the fault.
+pub(crate) type FailedStep = (Vec<Decision>, MachineFault);
+
+/// The successors of a state.
+#[derive(Debug)]
+pub(crate) struct Successors<const W: usize> {
+    pub states: Vec<HashedState<W>>,
+    /// What the step to each state moves, if fairness refers to it.
+    pub moved: Vec<MovedSet>,
+    /// Number of executions that update a location.
+    pub updating: u64,
+    /// `true` if an execution updates nothing, as far as this is examined.
+    pub is_idle: bool,
+}
+
+/// The inputs and choices of an execution, as far as they are decided.
+struct DecidedNumbers<'a> {
+    program: &'a GroundProgram,
+    decisions: &'a Decisions,
+    /// Numbers of the inputs that the execution has read.
+    read: &'a mut Vec<(u32, i64)>,
+}
+
+impl Valuation for DecidedNumbers<'_> {
+    fn input(&mut self, input: u32) -> i64 {
+        if let Some((_, number)) = self.read.iter().find(|(known, _)| *known == input) {
+            return *number;
+        }
+        let Some(declared) = self.program.inputs.get(input as usize) else {
+            return FAULT;
+        };
+        let taken = self.decisions.decide(declared.values.len());
+        let number = declared.values.get(taken).copied().unwrap_or(FAULT);
+        self.read.push((input, number));
+        number
+    }
+
+    fn choose(&mut self, count: usize) -> usize {
+        self.decisions.decide(count)
+    }
+}
+
+/// Finds successors.
+pub(crate) struct GroundedSteps<'a, const W: usize> {
+    request: &'a RunRequest<'a>,
+    code: &'a StepCode<W>,
+    pub machine: WordMachine<'a>,
+    executed: Vec<bool>,
+    /// Commands without updates that may still execute counters that nothing has executed.
+    pending: Vec<usize>,
+    pub successors: Successors<W>,
+    updates: GroundUpdates,
+    numbers: Vec<i64>,
+    decisions: Decisions,
+    read: Vec<(u32, i64)>,
+    /// `true` if fairness refers to the labels of transitions.
+    pub has_labels: bool,
+}
+
+impl<'a, const W: usize> GroundedSteps<'a, W> {
+    pub fn new(
+        machine: WordMachine<'a>,
+        request: &'a RunRequest<'a>,
+        code: &'a StepCode<W>,
+    ) -> Self {
+        Self {
+            request,
+            executed: vec![false; code.commands.len()],
+            pending: (0..code.idle.len()).collect(),
+            code,
+            machine,
+            successors: Successors {
+                states: Vec::new(),
+                moved: Vec::new(),
+                updating: 0,
+                is_idle: false,
+            },
+            updates: GroundUpdates {
+                list: Vec::new(),
+                counts: vec![0; request.grounded.program.counters],
+            },
+            numbers: Vec::new(),
+            decisions: Decisions::default(),
+            read: Vec::new(),
+            has_labels: request.options.keeps_edges && !request.fair.is_empty(),
+        }
+    }
+
+    /// Returns another one, which has executed nothing.
+    pub fn another(&self) -> Self {
+        let machine = WordMachine::new(&self.machine.machine, self.machine.ranges);
+        Self::new(machine, self.request, self.code)
+    }
+
+    /// Finds the successors of a state; returns the steps that fail.
+    pub fn find(&mut self, state: &Words<W>) -> Result<Vec<FailedStep>, StoppedRun> {
+        self.successors.states.clear();
+        self.successors.moved.clear();
+        self.successors.updating = 0;
+        self.successors.is_idle = false;
+        match self.grounded_steps(state) {
+            Ok(()) => Ok(Vec::new()),
+            Err(NoSuccessor::Wider(variable, number)) => Err(StoppedRun::Wider(variable, number)),
+            // the label of a machine's step is not known
+            Err(NoSuccessor::Machine) if self.has_labels => Err(StoppedRun::NotGrounded),
+            Err(NoSuccessor::Machine) => self.machine_steps(state),
+        }
+    }
+
+    /// Finds the successors of a state by a machine; returns the steps that fail.
+    #[cold]
+    fn machine_steps(&mut self, state: &Words<W>) -> Result<Vec<FailedStep>, StoppedRun> {
+        let program = &self.request.grounded.program;
+        let steps = self.machine.steps(program, self.request.layout, state)?;
+        self.successors.states.clear();
+        self.successors.updating = 0;
+        for (next, has_updates) in steps.next {
+            self.successors.updating += u64::from(has_updates);
+            self.successors.states.push(HashedState::of(next));
+        }
+        Ok(steps.faults)
+    }
+
+    /// Finds the successors of a state.
+    #[inline]
+    fn grounded_steps(&mut self, state: &Words<W>) -> Result<(), NoSuccessor> {
+        if let GroundedStep::Rule = self.request.grounded.step {
+            return self.executions(state);
+        }
+        let layout = self.request.layout;
+        let mut interpreted = 0;
+        for (index, command) in self.code.commands.iter().enumerate() {
+            while let Some((_, alternative)) = self
+                .code
+                .interpreted
+                .get(interpreted)
+                .filter(|(at, _)| *at <= index)
+            {
+                interpreted += 1;
+                let grounded = self.request.grounded;
+                let successors = &mut self.successors;
+                let (numbers, updates) = (&mut self.numbers, &mut self.updates);
+                alternative_step(
+                    grounded,
+                    layout,
+                    alternative,
+                    state,
+                    numbers,
+                    updates,
+                    successors,
+                )?;
+            }
+            if !command.when.holds(state) {
+                continue;
+            }
+            let next = command.next(layout, state)?;
+            self.successors.states.push(HashedState::of(next));
+            self.successors.updating += 1;
+            if self.has_labels {
+                let moved = if next == *state { 0 } else { command.moved };
+                self.successors.moved.push(moved);
+            }
+            if let Some(executed) = self.executed.get_mut(index) {
+                *executed = true;
+            }
+        }
+        while let Some((_, alternative)) = self.code.interpreted.get(interpreted) {
+            interpreted += 1;
+            let grounded = self.request.grounded;
+            let successors = &mut self.successors;
+            let (numbers, updates) = (&mut self.numbers, &mut self.updates);
+            alternative_step(
+                grounded,
+                layout,
+                alternative,
+                state,
+                numbers,
+                updates,
+                successors,
+            )?;
+        }
+        if self.request.options.keeps_edges && !self.successors.is_idle {
+            let mut idle = self.code.idle.iter();
+            self.successors.is_idle = idle.any(|command| command.when.holds(state));
+        }
+        if !self.pending.is_empty() {
+            self.cover(state);
+        }
+        Ok(())
+    }
+
+    /// Counts the parts that commands without updates execute.
+    fn cover(&mut self, state: &Words<W>) {
+        let Self {
+            pending,
+            code,
+            updates,
+            ..
+        } = self;
+        pending.retain(|index| {
+            let Some(command) = code.idle.get(*index) else {
+                return false;
+            };
+            let count = |counter: &u32| updates.counts.get(*counter as usize).copied();
+            if command.counters.iter().all(|it| count(it) != Some(0)) {
+                return false;
+            }
+            let holds = command.when.holds(state);
+            if holds {
+                for counter in &command.counters {
+                    if let Some(count) = updates.counts.get_mut(*counter as usize) {
+                        *count += 1;
+                    }
+                }
+            }
+            !holds
+        });
+    }
+
+    /// Executes the rule once for each combination of choices and inputs.
+    fn executions(&mut self, state: &Words<W>) -> Result<(), NoSuccessor> {
+        let Grounded { program, .. } = self.request.grounded;
+        let layout = self.request.layout;
+        layout.decode(state, &mut self.numbers);
+        self.decisions.restart();
+        let mut executions = 0;
+        loop {
+            executions += 1;
+            if executions > MAX_EXECUTIONS {
+                // the machine finds as many, and reports it
+                return Err(NoSuccessor::Machine);
+            }
+            self.read.clear();
+            let mut valuation = DecidedNumbers {
+                program,
+                decisions: &self.decisions,
+                read: &mut self.read,
+            };
+            let (numbers, updates) = (&mut self.numbers, &mut self.updates);
+            if !execute(program, &program.rule, numbers, &mut valuation, updates) {
+                return Err(NoSuccessor::Machine);
+            }
+            let next = updated(layout, state, updates)?;
+            self.successors.updating += u64::from(!updates.list.is_empty());
+            self.successors.states.push(HashedState::of(next));
+            if !self.decisions.advance() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Returns the coverage counts.
+    pub fn counts(&self) -> Vec<u64> {
+        let mut counts = self.updates.counts.clone();
+        for (command, executed) in self.code.commands.iter().zip(&self.executed) {
+            for counter in command.counters.iter().filter(|_| *executed) {
+                if let Some(count) = counts.get_mut(*counter as usize) {
+                    *count += 1;
+                }
+            }
+        }
+        for (count, own) in counts.iter_mut().zip(self.machine.machine.counts()) {
+            *count += own;
+        }
+        counts
+    }
+}
+
+/// A successor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ReachedWords<const W: usize> {
+    /// The state with this number.
+    Known(u32),
+    /// A state that was not known.
+    Fresh(HashedState<W>),
+}
+
+/// What was found about the steps of one state.
+#[derive(Debug)]
+pub(crate) struct StateSteps {
+    /// Index after the last of its successors in [`StepsOfStates::reached`].
+    pub end: usize,
+    pub updating: u64,
+    pub is_idle: bool,
+    /// `true` if no step changes the state, and none fails.
+    pub rests: bool,
+    pub failed: Vec<FailedStep>,
+    pub stopped: Option<StoppedRun>,
+}
+
+/// What was found about the steps of consecutive states.
+#[derive(Debug, Default)]
+pub(crate) struct StepsOfStates<const W: usize> {
+    pub states: Vec<StateSteps>,
+    /// Successors; known ones are left out if transitions are not kept.
+    pub reached: Vec<ReachedWords<W>>,
+    /// What the step to each successor moves, if fairness refers to it.
+    pub moved: Vec<MovedSet>,
+}
+
+impl<const W: usize> GroundedSteps<'_, W> {
+    /// Finds the successors of consecutive states.
+    pub fn find_all(
+        &mut self,
+        states: std::ops::Range<u32>,
+        known: &WordStore<W>,
+    ) -> StepsOfStates<W> {
+        let mut all = StepsOfStates {
+            states: Vec::with_capacity(states.len()),
+            reached: Vec::new(),
+            moved: Vec::new(),
+        };
+        for number in states {
+            let state = known.get(number).unwrap_or([0; W]);
+            let (failed, stopped) = match self.find(&state) {
+                Ok(failed) => (failed, None),
+                Err(stopped) => (Vec::new(), Some(stopped)),
+            };
+            let mut rests = failed.is_empty();
+            let mut touched = 0;
+            for next in &self.successors.states {
+                touched |= known.touch(next.hash);
+            }
+            std::hint::black_box(touched);
+            for (index, next) in self.successors.states.iter().enumerate() {
+                rests &= next.state == state;
+                let reached = match known.find(next) {
+                    Ok(_) if !self.request.options.keeps_edges => continue,
+                    Ok(number) => ReachedWords::Known(number),
+                    Err(_) => ReachedWords::Fresh(*next),
+                };
+                all.reached.push(reached);
+                if self.has_labels {
+                    let moved = self.successors.moved.get(index).copied();
+                    all.moved.push(moved.unwrap_or_default());
+                }
+            }
+            all.states.push(StateSteps {
+                end: all.reached.len(),
+                updating: self.successors.updating,
+                is_idle: self.successors.is_idle,
+                rests,
+                failed,
+                stopped,
+            });
+        }
+        all
+    }
+}
+
+/// Executes an alternative part by part.
+fn alternative_step<const W: usize>(
+    grounded: &Grounded,
+    layout: &WordLayout,
+    alternative: &GroundAlternative,
+    state: &Words<W>,
+    numbers: &mut Vec<i64>,
+    updates: &mut GroundUpdates,
+    successors: &mut Successors<W>,
+) -> Result<(), NoSuccessor> {
+    layout.decode(state, numbers);
+    let mut closed = super::case::Closed;
+    for guard in &alternative.guards {
+        match evaluate(guard, numbers, &mut closed) {
+            1 => {}
+            0 => return Ok(()),
+            _ => return Err(NoSuccessor::Machine),
+        }
+    }
+    let rule: &GroundRule = &alternative.rule;
+    if !execute(&grounded.program, rule, numbers, &mut closed, updates) {
+        return Err(NoSuccessor::Machine);
+    }
+    let next = updated(layout, state, updates)?;
+    successors.updating += u64::from(!updates.list.is_empty());
+    successors.states.push(HashedState::of(next));
+    Ok(())
+}
+
+/// Returns the state after the updates.
+fn updated<const W: usize>(
+    layout: &WordLayout,
+    state: &Words<W>,
+    updates: &GroundUpdates,
+) -> Result<Words<W>, NoSuccessor> {
+    let mut next = *state;
+    for (variable, number) in &updates.list {
+        let field = layout.field(*variable).ok_or(NoSuccessor::Machine)?;
+        let code = field.code(*number);
+        field.set(
+            &mut next,
+            code.ok_or(NoSuccessor::Wider(*variable, *number))?,
+        );
+    }
+    Ok(next)
+}

@@ -1,0 +1,130 @@
+//! How states are explored one by one: by how many threads, and how they are stored.
+
+use super::Verify;
+use super::engine::EngineOption;
+use asmotion_verify::{SpillFile, SpillSpace, Storage};
+use clap::{Args, ValueEnum};
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::num::NonZero;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How states are explored one by one.
+#[derive(Args)]
+pub struct SearchOptions {
+    /// Number of threads; the result does not depend on it [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZero<usize>>,
+
+    /// How states are stored
+    #[arg(long, value_name = "STORAGE", value_enum, default_value_t = StorageOption::Exact)]
+    storage: StorageOption,
+
+    /// Folder for the files of `--storage disk` [default: the system's folder for temporary files]
+    #[arg(long, value_name = "FOLDER")]
+    storage_folder: Option<PathBuf>,
+}
+
+/// How states are stored.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StorageOption {
+    /// Completely, in memory
+    Exact,
+    /// As fingerprints of 64 bits: less memory, but a state can be missed, with a small probability
+    Compact,
+    /// Completely, in files: little memory, but slower
+    Disk,
+}
+
+impl Verify {
+    /// Returns the number of threads.
+    pub(super) fn threads(&self) -> usize {
+        let available = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        self.search.threads.map_or_else(available, NonZero::get)
+    }
+
+    /// Returns the way to store states.
+    ///
+    /// # Errors
+    /// The options do not fit together.
+    pub(super) fn storage(&self) -> Result<Storage, String> {
+        let search = &self.search;
+        let is_symbolic = matches!(self.engine, EngineOption::Symbolic);
+        let is_exact = search.storage == StorageOption::Exact;
+        if is_symbolic && (search.threads.is_some() || !is_exact) {
+            return Err("`--threads` and `--storage` are for `--engine explicit`".to_owned());
+        }
+        if search.storage_folder.is_some() && search.storage != StorageOption::Disk {
+            return Err("`--storage-folder` is for `--storage disk`".to_owned());
+        }
+        if search.storage == StorageOption::Compact && (self.advice || self.mutants || self.watch) {
+            return Err(
+                "`--advice`, `--mutants` and `--watch` need all states: leave out `--storage compact`, or use `--storage disk`"
+                    .to_owned(),
+            );
+        }
+        Ok(match search.storage {
+            StorageOption::Exact => Storage::Exact,
+            StorageOption::Compact => Storage::Compact,
+            StorageOption::Disk => {
+                let folder = search.storage_folder.clone();
+                Storage::Disk(Arc::new(StorageFolder {
+                    folder: folder.unwrap_or_else(std::env::temp_dir),
+                    created: AtomicU64::new(0),
+                }))
+            }
+        })
+    }
+}
+
+/// A folder for files without names, which disappear with the process, however it ends.
+#[derive(Debug)]
+struct StorageFolder {
+    folder: PathBuf,
+    /// Number of files.
+    created: AtomicU64,
+}
+
+impl SpillSpace for StorageFolder {
+    fn create(&self) -> io::Result<Box<dyn SpillFile>> {
+        let number = self.created.fetch_add(1, Ordering::Relaxed);
+        let name = format!("asmotion-verify-{}-{number}", std::process::id());
+        let path = self.folder.join(name);
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .open(&path);
+        let file = file.map_err(|error| described(&self.folder, &error))?;
+        // without its name, the file exists as long as it is open
+        std::fs::remove_file(&path)?;
+        let folder = self.folder.clone();
+        Ok(Box::new(StorageFile { file, folder }))
+    }
+}
+
+/// A file of a folder.
+#[derive(Debug)]
+struct StorageFile {
+    file: File,
+    folder: PathBuf,
+}
+
+impl SpillFile for StorageFile {
+    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+        let read = self.file.read_exact_at(bytes, offset);
+        read.map_err(|error| described(&self.folder, &error))
+    }
+
+    fn append(&self, bytes: &[u8], offset: u64) -> io::Result<()> {
+        let written = self.file.write_all_at(bytes, offset);
+        written.map_err(|error| described(&self.folder, &error))
+    }
+}
+
+fn described(folder: &Path, error: &io::Error) -> io::Error {
+    io::Error::other(format!("a file in `{}`: {error}", folder.display()))
+}
