@@ -66,9 +66,7 @@ fn wide(text: &str) -> String {
     let rule = text.find("main rule r_Main = ").unwrap();
     let init = text.find("default init").unwrap();
     let own = &text[rule + "main rule r_Main = ".len()..init];
-    let main = format!(
-        "main rule r_Main = par r_Own[] choose $x in Wide with true do if $x = 0 then a := (a + 1) mod 40 else if $x = 1 then b := (b + 1) mod 40 endif endif endpar\n"
-    );
+    let main = "main rule r_Main = par r_Own[] choose $x in Wide with true do if $x = 0 then a := (a + 1) mod 40 else if $x = 1 then b := (b + 1) mod 40 endif endif endpar\n";
     let text = format!(
         "{}rule r_Own = {own}  {main}{}",
         &text[..rule],
