@@ -30,6 +30,15 @@ use asmotion_machine::{FaultKind, InitialMisfit, Machine, StepFault, Witness};
 use asmotion_value::Value;
 
 impl Specification {
+    /// Returns `true` if a rule at this place repeats its body.
+    fn repeats(&self, origin: asmotion_ir::Origin) -> bool {
+        self.program.routines.iter().any(|routine| {
+            routine.code.any(&mut |rule| {
+                matches!(&*rule.node, asmotion_ir::RuleNode::While { .. }) && rule.origin == origin
+            })
+        })
+    }
+
     /// Explains a fault in the initial state, before there is a machine. Names of elements created
     /// at run time are not available.
     pub fn explain(&self, fault: &StepFault) -> Diagnostic {
@@ -169,7 +178,13 @@ impl Specification {
             }
             &FaultKind::TooDeep(limit) => CallsTooDeep { limit, when, at }.diagnostic(),
             &FaultKind::ManyCalls(limit) => TooManyCalls { limit, when, at }.diagnostic(),
-            &FaultKind::Endless(limit) => EndlessLoop { limit, when, at }.diagnostic(),
+            &FaultKind::Endless(limit) => EndlessLoop {
+                limit,
+                when,
+                is_range: !self.repeats(fault.origin),
+                at,
+            }
+            .diagnostic(),
             &FaultKind::TooLarge(count) => CollectionTooLarge { count, when, at }.diagnostic(),
             FaultKind::Unbound => UnboundVariable { when, at }.diagnostic(),
             FaultKind::Unbounded => UnboundedValue { when, at }.diagnostic(),

@@ -110,7 +110,7 @@ impl Program {
 }
 
 /// Splits a conjunction into its first operand and the others.
-fn first_conjunct(guard: &Term) -> (&Term, Option<Term>) {
+pub fn first_conjunct(guard: &Term) -> (&Term, Option<Term>) {
     let TermNode::Logic(Connective::And, left, right) = &*guard.node else {
         return (guard, None);
     };

@@ -22,7 +22,7 @@ pub use code::*;
 pub use codes::CODES;
 pub use counter::{Counted, Counter, CoveragePoint};
 pub use id::*;
-pub use indexed::IndexedGuard;
+pub use indexed::{IndexedGuard, first_conjunct};
 pub use interval::IntegerInterval;
 pub use lower::{
     Lowered, MAX_CREATED, MessageRole, MessageUse, UnreachedLiteral, applied_functions, lower,

@@ -16,6 +16,7 @@ mod detour;
 mod direct;
 mod direct_code;
 mod direct_frame;
+mod direct_range;
 mod direct_sequence;
 mod emit;
 mod frame;

@@ -309,6 +309,9 @@ impl Emitter<'_> {
             Counting::Together
         };
         let native = |this: &mut Self| {
+            if let Some(residue) = this.residue_guard(&spans, &guard) {
+                return this.each_of_residue(&spans, &residue, &mut |this| this.rule(body));
+            }
             this.each(&spans, counting, &mut |this, next| {
                 this.range_guarded(&guard, true, &spans, next);
                 if guard.is_always() {
@@ -359,6 +362,10 @@ impl Emitter<'_> {
         };
         let done = self.block();
         let native = |this: &mut Self| {
+            if this.keeps_candidates(&spans, &guard) {
+                this.choose_by_bits(&spans, &guard, rule.origin, done, |this| this.rule(body));
+                return this.conditionally(|this| this.rule(ifnone));
+            }
             if counting == Counting::Checked && this.direct.is_none() {
                 let before = this.bindings();
                 this.bail_if_many(before, 2 * total);

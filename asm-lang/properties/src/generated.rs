@@ -586,8 +586,16 @@ impl Generator<'_> {
             }
             10 | 11 => {
                 let (variable, inner) = self.bound(scope);
+                let residue = match self.of(4) {
+                    0 => format!(
+                        "{variable} mod {} = {} and ",
+                        2 + self.of(2),
+                        self.small(1, scope)
+                    ),
+                    _ => String::new(),
+                };
                 format!(
-                    "forall {variable} in Small with {} do {}",
+                    "forall {variable} in Small with {residue}{} do {}",
                     self.truth(1, &inner),
                     self.rule(deeper, &inner)
                 )

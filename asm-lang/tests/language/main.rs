@@ -19,6 +19,7 @@ mod fixes;
 mod initial_state;
 mod limits;
 mod messages;
+mod ranges;
 mod replay;
 mod semantics;
 mod session;
