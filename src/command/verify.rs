@@ -277,6 +277,9 @@ impl Verify {
             terminal.result(json::verification(path, verification, time));
         } else {
             show::text(path, verification, time, terminal);
+            if self.symmetry() && verification.symmetric.is_empty() {
+                show::without_symmetry(terminal);
+            }
             if self.advice {
                 show::advice(verification, terminal);
             }

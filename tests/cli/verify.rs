@@ -459,10 +459,7 @@ fn verdicts_do_not_depend_on_threads_and_say_what_storage_they_depend_on() {
     let (exit, out, _) = run(&["verify", RECOVERY, "--storage", "compact", "--json"]);
     assert_eq!(exit, 4);
     assert!(!out.contains("\"verdict\":\"holds\""), "{out}");
-    assert!(
-        out.contains("\"verdict\":\"holds-unless-missed\""),
-        "{out}"
-    );
+    assert!(out.contains("\"verdict\":\"holds-unless-missed\""), "{out}");
 }
 
 #[test]

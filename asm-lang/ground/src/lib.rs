@@ -6,7 +6,7 @@
 //! term with the value [`FAULT`]: where an evaluation meets it, a machine has to execute the step.
 //!
 //! A grounded rule makes the same choices, reads the same inputs and yields the same updates as the machine's step, or ends with
-//! [`FAULT`]. [`GroundProgram::alternatives`] lists the choices of a step.
+//! [`FAULT`]. [`GroundProgram::alternatives`] lists the choices of a step, and [`Shapes`] compares rules up to the names of variables.
 
 mod alternatives;
 mod binder;
@@ -18,6 +18,7 @@ mod library;
 mod program;
 mod ranges;
 mod rule;
+mod shape;
 mod substitute;
 mod term;
 mod visit;
@@ -26,4 +27,5 @@ pub use alternatives::{GroundAlternative, GroundChoice};
 pub use evaluate::{GroundUpdates, Valuation, evaluate, execute};
 pub use grounding::{GroundingContext, TooLarge, ground};
 pub use program::*;
+pub use shape::{Renaming, Shape, Shapes};
 pub use visit::{Accesses, accesses_of_rule, accesses_of_term};

@@ -46,12 +46,32 @@ const MODELS: [(&str, u64, u64, &str); 4] = [
     ),
 ];
 
+/// Environment variable with the number of threads of a child.
+const THREADS: &str = "ASMOTION_BENCH_THREADS";
+
+fn threads() -> usize {
+    let text = std::env::var(THREADS).unwrap_or_default();
+    text.parse().unwrap_or(1)
+}
+
 /// CPU seconds, and the output of a command.
 fn timed(folder: &Path, program: &Path, arguments: &[&str]) -> (f64, String) {
+    let (seconds, _, output) = timed_with(folder, program, arguments, 1);
+    (seconds, output)
+}
+
+/// CPU seconds, elapsed seconds, and the output of a command with several threads.
+fn timed_with(
+    folder: &Path,
+    program: &Path,
+    arguments: &[&str],
+    threads: usize,
+) -> (f64, f64, String) {
     // the shell reports the times of its child in milliseconds
     let output = Command::new("bash")
         .current_dir(folder)
-        .args(["-c", "TIMEFORMAT='%U %S'; time \"$@\"", "bash"])
+        .env(THREADS, threads.to_string())
+        .args(["-c", "TIMEFORMAT='%U %S %R'; time \"$@\"", "bash"])
         .arg(program)
         .args(arguments)
         .output()
@@ -59,8 +79,42 @@ fn timed(folder: &Path, program: &Path, arguments: &[&str]) -> (f64, String) {
     let times = String::from_utf8_lossy(&output.stderr).into_owned();
     let last = times.lines().last().unwrap_or_default();
     let seconds = last.split(' ').filter_map(|it| it.parse::<f64>().ok());
+    let seconds: Vec<f64> = seconds.collect();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    (seconds.sum(), text)
+    let elapsed = seconds.get(2).copied().unwrap_or(f64::NAN);
+    (seconds.iter().take(2).sum(), elapsed, text)
+}
+
+/// The same models with one thread and with two, in turn: elapsed and CPU seconds.
+fn speed_up(models: &Path, own: &Path) {
+    println!(
+        "threads: elapsed s with 1 and 2, their ratio; CPU s with 1 and 2, their ratio (2 to 1)"
+    );
+    for (model, states, _, invariant) in MODELS {
+        let file = models.join(format!("{model}.asm"));
+        let mut all: [Vec<f64>; 6] = Default::default();
+        for _ in 0..ROUNDS {
+            let arguments = ["--model", file.to_str().unwrap(), invariant];
+            let (cpu, elapsed, one) = timed_with(models, own, &arguments, 1);
+            let (cpu_two, elapsed_two, two) = timed_with(models, own, &arguments, 2);
+            for output in [one, two] {
+                assert!(output.starts_with(&format!("{states} ")), "{output}");
+            }
+            let measured = [
+                elapsed,
+                elapsed_two,
+                elapsed / elapsed_two,
+                cpu,
+                cpu_two,
+                cpu_two / cpu,
+            ];
+            all.iter_mut()
+                .zip(measured)
+                .for_each(|(all, it)| all.push(it));
+        }
+        let shown = all.map(|numbers| format!("{:.2}", median(numbers)));
+        println!("{model:6} {}", shown.join("  "));
+    }
 }
 
 fn median(mut numbers: Vec<f64>) -> f64 {
@@ -86,6 +140,7 @@ fn child(model: &Path, property: &str, fair: &[String]) {
                 is_strong: false,
             })
             .collect(),
+        threads: threads(),
         ..Options::default()
     };
     let Ok(found) = verify(specification, &options, &mut |_| true) else {
@@ -233,6 +288,7 @@ fn main() {
         );
         ratios.extend(pan.map(|_| median(ratio)));
     }
+    speed_up(&models, &own);
     liveness(&models, &own, &scratch);
     if ratios.is_empty() {
         println!(

@@ -36,6 +36,8 @@ pub(crate) struct ExplorationOptions {
     /// Number of threads.
     pub threads: usize,
     pub storage: StateStorage,
+    /// `true` to explore one of several states that permutations of elements make of each other, where that makes no difference.
+    pub symmetry: bool,
 }
 
 /// The progress of an exploration.
@@ -192,6 +194,8 @@ pub(crate) struct Exploration {
     pub labels: Table<u32>,
     pub moved_sets: Vec<MovedSet>,
     pub keeps_edges: bool,
+    /// Names of the domains whose elements were permuted.
+    pub symmetric: Vec<String>,
     /// Space for tables outside of memory, if there is one.
     pub spill: Option<Spill>,
     pub faults: Vec<FoundFault>,

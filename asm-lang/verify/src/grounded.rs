@@ -8,6 +8,7 @@ mod machine_steps;
 mod run;
 mod steps;
 mod store;
+mod symmetry;
 
 use crate::explore::{Conditions, Exploration, ExplorationError, ExplorationOptions, Progress};
 use crate::fair_moves::FairMoves;
@@ -20,6 +21,7 @@ use asmotion_ground::{
 use asmotion_lang::{Machine, Value};
 use layout::{WordLayout, widen};
 use run::{GroundedRun, StoppedRun};
+use symmetry::Symmetry;
 
 /// Limit for the alternatives of a step that become commands.
 const MAX_ALTERNATIVES: usize = 2000;
@@ -102,11 +104,20 @@ pub(crate) fn explore<S: TransitionSystem>(
     if !fair.is_empty() && matches!(grounded.step, GroundedStep::Rule) {
         return Ok(None);
     }
+    // fairness to agents tells apart what symmetry does not
+    let symmetry = if options.symmetry && fair.is_empty() {
+        Symmetry::of(machine, &grounded.program, &grounded.conditions)
+    } else {
+        Symmetry::default()
+    };
     for _ in 0..MAX_ATTEMPTS {
+        symmetry.align(&mut grounded.program);
         let Some(layout) = WordLayout::of(&grounded.program) else {
             return Ok(None);
         };
+        let words = symmetry.in_words(&layout);
         let request = run::RunRequest {
+            symmetry: (!symmetry.is_empty()).then_some(&words),
             grounded: &grounded,
             layout: &layout,
             conditions,
@@ -120,7 +131,10 @@ pub(crate) fn explore<S: TransitionSystem>(
             _ => GroundedRun::<8>::explore(machine, ranges, &request, proceed),
         };
         match stopped {
-            Ok(exploration) => return Ok(Some(exploration)),
+            Ok(mut exploration) => {
+                exploration.symmetric = symmetry.names();
+                return Ok(Some(exploration));
+            }
             Err(StoppedRun::Error(error)) => return Err(error),
             Err(StoppedRun::NotGrounded) => return Ok(None),
             Err(StoppedRun::Wider(variable, number)) => {

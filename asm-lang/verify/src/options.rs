@@ -79,6 +79,9 @@ pub struct Options {
     pub contents: Vec<ContentValues>,
     /// The way in which states are explored.
     pub engine: Engine,
+    /// `true` to explore one of several states that permutations of the elements of a domain make of each other, where that makes
+    /// no difference: see [`Verification::symmetric`](crate::Verification::symmetric).
+    pub symmetry: bool,
     /// How states are stored, if they are explored one by one.
     pub storage: Storage,
     /// Number of threads that explore states one by one; 0 counts as 1. The result does not depend on it.

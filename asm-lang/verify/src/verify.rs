@@ -51,6 +51,9 @@ pub struct Verification {
     pub incomplete: Option<Incomplete>,
     /// Locations that take ever new values, if not all states were explored.
     pub growing: Vec<GrowingLocation>,
+    /// Names of the domains whose elements were permuted, with the elements if these are not all. States that permutations make of
+    /// each other are then counted once.
+    pub symmetric: Vec<String>,
     /// Expected number of states that were taken for others, and so were not explored, if only fingerprints of states were stored;
     /// otherwise no state was. Then a verdict holds with a probability only if it is about all states:
     /// see [`CheckedProperty::is_about_all_states`].
@@ -295,6 +298,7 @@ impl Exploring<'_> {
         checked.map_err(|error| self.explain(&system, &error))?;
         let is_compact = exploration.is_compact();
         Ok(Verification {
+            symmetric: exploration.symmetric.clone(),
             expected_missed: is_compact.then(|| expected_missed(states)),
             machines: Vec::new(),
             properties,
@@ -324,6 +328,7 @@ impl Exploring<'_> {
             keeps_edges: self.properties.needs_graph(),
             threads: self.options.threads.max(1),
             storage: StateStorage::of(&self.options.storage),
+            symmetry: self.options.symmetry,
         };
         // advice counts every branch, which grounded steps do not have
         let is_groundable = !self.options.without_grounding && !self.options.advice;
@@ -366,6 +371,7 @@ impl Exploring<'_> {
             depth: found.depth,
             incomplete: found.incomplete,
             growing: Vec::new(),
+            symmetric: Vec::new(),
             expected_missed: None,
             advice: Vec::new(),
             has_advice_on_steps: false,

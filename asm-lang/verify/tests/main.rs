@@ -22,6 +22,7 @@ mod simplest;
 mod specs;
 mod storage;
 mod symbolic;
+mod symmetry;
 mod systems;
 mod threads;
 mod unbounded;

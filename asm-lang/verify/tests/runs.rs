@@ -6,7 +6,7 @@ use asmotion_lang::simulate::{Causes, Recording, Simulation, SimulationError};
 use asmotion_verify::{Options, PropertyKind, Run, Verdict};
 
 /// Simulates the inputs and choices of a run; returns the simulation, and the fault that ends it.
-fn simulated(text: &str, run: &Run) -> (Simulation, Option<Box<asmotion_lang::StepFault>>) {
+pub fn simulated(text: &str, run: &Run) -> (Simulation, Option<Box<asmotion_lang::StepFault>>) {
     let machine = open(text).machine().unwrap();
     let recording = Recording::read(&run.traces[0]);
     let steps = recording.steps().len();

@@ -59,6 +59,7 @@ impl Verify {
             engine,
             threads: self.threads(),
             storage,
+            symmetry: self.symmetry(),
             messages: self.system.message_model(),
             ..Options::default()
         };

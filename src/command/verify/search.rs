@@ -19,6 +19,11 @@ pub struct SearchOptions {
     #[arg(long, value_name = "N")]
     threads: Option<NonZero<usize>>,
 
+    /// Explores one of several states that differ only by a permutation of the elements of a domain, if all rules and properties use
+    /// these elements alike
+    #[arg(long)]
+    symmetry: bool,
+
     /// How states are stored
     #[arg(long, value_name = "STORAGE", value_enum, default_value_t = StorageOption::Exact)]
     storage: StorageOption,
@@ -46,6 +51,11 @@ impl Verify {
         self.search.threads.map_or_else(available, NonZero::get)
     }
 
+    /// Returns `true` if symmetric states are left out.
+    pub(super) fn symmetry(&self) -> bool {
+        self.search.symmetry
+    }
+
     /// Returns the way to store states.
     ///
     /// # Errors
@@ -54,8 +64,13 @@ impl Verify {
         let search = &self.search;
         let is_symbolic = matches!(self.engine, EngineOption::Symbolic);
         let is_exact = search.storage == StorageOption::Exact;
-        if is_symbolic && (search.threads.is_some() || !is_exact) {
-            return Err("`--threads` and `--storage` are for `--engine explicit`".to_owned());
+        if is_symbolic && (search.threads.is_some() || search.symmetry || !is_exact) {
+            return Err(
+                "`--threads`, `--symmetry` and `--storage` are for `--engine explicit`".to_owned(),
+            );
+        }
+        if search.symmetry && self.advice {
+            return Err("`--advice` needs all states: leave out `--symmetry`".to_owned());
         }
         if search.storage_folder.is_some() && search.storage != StorageOption::Disk {
             return Err("`--storage-folder` is for `--storage disk`".to_owned());

@@ -37,6 +37,11 @@ pub fn text(
         number(count(Verdict::is_violated)),
         number(count(|it| matches!(it, Verdict::Unknown))),
     ));
+    for domain in &verification.symmetric {
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} states that differ by a permutation of {domain} are counted once"
+        ));
+    }
     if let Some(missed) = verification.expected_missed {
         terminal.result(format_args!(
             "  {NOTE}note{NOTE:#} states were stored as fingerprints of 64 bits: the expected number of states that were missed is {missed:.1e}; `--storage exact` and `--storage disk` miss none"
@@ -70,6 +75,13 @@ pub fn text(
             ));
         }
     }
+}
+
+/// Says that no state was left out for symmetry.
+pub fn without_symmetry(terminal: &mut TerminalOutput) {
+    terminal.result(format_args!(
+        "  {NOTE}note{NOTE:#} `--symmetry` has no effect: no domain is found whose elements are used alike, the states have no grounded form, or fairness tells elements apart"
+    ));
 }
 
 /// Prints the advice.

@@ -5,6 +5,7 @@ use super::layout::{WordLayout, Words};
 use super::machine_steps::{NotWords, WordMachine, words_of};
 use super::steps::{GroundedSteps, ReachedWords, StateSteps, StepsOfStates};
 use super::store::{HashedState, WordStore};
+use super::symmetry::WordSymmetry;
 use super::{Grounded, GroundedStep};
 use crate::explore::{
     Conditions, Exploration, ExplorationError, ExplorationOptions, Incomplete, Progress, Reached,
@@ -25,6 +26,8 @@ pub(crate) struct RunRequest<'a> {
     pub layout: &'a WordLayout,
     pub conditions: &'a Conditions,
     pub options: &'a ExplorationOptions,
+    /// What can be permuted, if anything.
+    pub symmetry: Option<&'a WordSymmetry>,
     pub fair: &'a FairMoves,
 }
 
@@ -158,6 +161,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             program: program.clone(),
             layout: self.request.layout.clone(),
             machine: machine.clone(),
+            symmetry: self.request.symmetry.cloned(),
         }));
         Ok(self.found)
     }
@@ -193,12 +197,10 @@ impl<const W: usize> GroundedRun<'_, W> {
             touched |= self.store.touch(next.hash);
         }
         std::hint::black_box(touched);
-        let mut rests = failed.is_empty();
         for index in 0..self.steps.successors.states.len() {
             let Some(next) = self.steps.successors.states.get(index).copied() else {
                 continue;
             };
-            rests &= next.state == state;
             if let Some(number) = self.arrive(next, Some((self.node, &state)))?
                 && self.found.keeps_edges
             {
@@ -211,7 +213,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             end: 0,
             updating: successors.updating,
             is_idle: successors.is_idle,
-            rests,
+            rests: successors.rests,
             failed,
             stopped: None,
         })
@@ -481,6 +483,7 @@ struct StoredWords<const W: usize> {
     program: GroundProgram,
     layout: WordLayout,
     machine: Machine,
+    symmetry: Option<WordSymmetry>,
 }
 
 impl<const W: usize> fmt::Debug for StoredWords<W> {
@@ -512,6 +515,8 @@ impl<const W: usize> WordStates for StoredWords<W> {
 
     fn number_of(&self, machine: &Machine) -> Option<u32> {
         let state = words_of(&self.program, &self.layout, machine)?;
+        let symmetry = self.symmetry.as_ref();
+        let state = symmetry.map_or(state, |symmetry| symmetry.canonical(&state));
         self.store.find(&HashedState::of(state)).ok()
     }
 
@@ -520,7 +525,7 @@ impl<const W: usize> WordStates for StoredWords<W> {
     }
 
     fn is_symmetric(&self) -> bool {
-        false
+        self.symmetry.is_some()
     }
 
     fn memory(&self) -> usize {

@@ -28,6 +28,8 @@ pub(crate) struct Successors<const W: usize> {
     pub updating: u64,
     /// `true` if an execution updates nothing, as far as this is examined.
     pub is_idle: bool,
+    /// `true` if no step changes the state, and none fails.
+    pub rests: bool,
 }
 
 /// The inputs and choices of an execution, as far as they are decided.
@@ -91,6 +93,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
                 moved: Vec::new(),
                 updating: 0,
                 is_idle: false,
+                rests: false,
             },
             updates: GroundUpdates {
                 list: Vec::new(),
@@ -115,13 +118,25 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         self.successors.moved.clear();
         self.successors.updating = 0;
         self.successors.is_idle = false;
-        match self.grounded_steps(state) {
-            Ok(()) => Ok(Vec::new()),
-            Err(NoSuccessor::Wider(variable, number)) => Err(StoppedRun::Wider(variable, number)),
+        let failed = match self.grounded_steps(state) {
+            Ok(()) => Vec::new(),
+            Err(NoSuccessor::Wider(variable, number)) => {
+                return Err(StoppedRun::Wider(variable, number));
+            }
             // the label of a machine's step is not known
-            Err(NoSuccessor::Machine) if self.has_labels => Err(StoppedRun::NotGrounded),
-            Err(NoSuccessor::Machine) => self.machine_steps(state),
+            Err(NoSuccessor::Machine) if self.has_labels => return Err(StoppedRun::NotGrounded),
+            Err(NoSuccessor::Machine) => self.machine_steps(state)?,
+        };
+        let successors = &mut self.successors;
+        let mut states = successors.states.iter();
+        // a step to a permuted state changes the state
+        successors.rests = failed.is_empty() && states.all(|next| next.state == *state);
+        if let Some(symmetry) = self.request.symmetry {
+            for next in &mut successors.states {
+                *next = HashedState::of(symmetry.canonical(&next.state));
+            }
         }
+        Ok(failed)
     }
 
     /// Finds the successors of a state by a machine; returns the steps that fail.
@@ -333,14 +348,12 @@ impl<const W: usize> GroundedSteps<'_, W> {
                 Ok(failed) => (failed, None),
                 Err(stopped) => (Vec::new(), Some(stopped)),
             };
-            let mut rests = failed.is_empty();
             let mut touched = 0;
             for next in &self.successors.states {
                 touched |= known.touch(next.hash);
             }
             std::hint::black_box(touched);
             for (index, next) in self.successors.states.iter().enumerate() {
-                rests &= next.state == state;
                 let reached = match known.find(next) {
                     Ok(_) if !self.request.options.keeps_edges => continue,
                     Ok(number) => ReachedWords::Known(number),
@@ -356,7 +369,7 @@ impl<const W: usize> GroundedSteps<'_, W> {
                 end: all.reached.len(),
                 updating: self.successors.updating,
                 is_idle: self.successors.is_idle,
-                rests,
+                rests: self.successors.rests,
                 failed,
                 stopped,
             });

@@ -167,6 +167,7 @@ impl Symbolic<'_> {
             keeps_edges: true,
             threads: self.options.threads,
             storage: StateStorage::Memory,
+            symmetry: false,
         };
         let explorer = Explorer::new(system.clone(), conditions, &options, self.fair);
         let Ok(exploration) = explorer.run(&mut |_| proceed()) else {
