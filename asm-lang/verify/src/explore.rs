@@ -168,7 +168,7 @@ pub(crate) trait WordStates: Debug {
 #[derive(Debug, Default)]
 pub(crate) struct Exploration {
     pub states: StateStore,
-    /// The states as words, in place of `states`; each is then one node.
+    /// The states as words, in place of `states`; each is then one node, if there are no `first_nodes`.
     pub words: Option<Box<dyn WordStates>>,
     /// First node of each state.
     pub first_nodes: Table<u32>,
@@ -261,7 +261,7 @@ impl Exploration {
 
     /// Returns the number of a node's state.
     pub fn state_number(&self, node: u32) -> Option<u32> {
-        match &self.words {
+        match self.plain_words() {
             Some(_) => Some(node),
             None => self.state_of.get(node as usize),
         }
@@ -291,9 +291,15 @@ impl Exploration {
         found
     }
 
+    /// Returns the states as words, if each is one node.
+    fn plain_words(&self) -> Option<&dyn WordStates> {
+        let words = self.words.as_deref();
+        words.filter(|_| self.first_nodes.len() == 0)
+    }
+
     /// Returns the number of nodes.
     pub fn nodes(&self) -> u32 {
-        match &self.words {
+        match self.plain_words() {
             Some(words) => words.len() as u32,
             None => self.state_of.len() as u32,
         }
@@ -317,7 +323,8 @@ impl Exploration {
     /// Returns the bytes of a node's state.
     pub fn state(&self, node: u32) -> Cow<'_, [u8]> {
         if let Some(words) = &self.words {
-            return Cow::Owned(words.bytes(node));
+            let state = self.state_number(node).unwrap_or_default();
+            return Cow::Owned(words.bytes(state));
         }
         let state = self.state_of.get(node as usize);
         state.map(|it| self.states.get(it)).unwrap_or_default()
@@ -325,7 +332,7 @@ impl Exploration {
 
     /// Returns the nodes of a state.
     pub fn nodes_of(&self, state: u32) -> std::ops::Range<u32> {
-        if self.words.is_some() {
+        if self.plain_words().is_some() {
             return state..state + 1;
         }
         let at = state as usize;
@@ -389,6 +396,19 @@ impl Exploration {
         let end = self.levels.get(depth + 1).copied();
         let nodes = self.nodes();
         start.unwrap_or(nodes)..end.unwrap_or(nodes)
+    }
+
+    /// Notes whether a node of a state is stuck. A state is if all its nodes are, which are noted one after the other.
+    pub fn rests(&mut self, node: u32, state: u32, rests: bool) {
+        let first = self.nodes_of(state).start;
+        let was_stuck = node == first || self.stuck.last() == Some(&state);
+        if rests && was_stuck {
+            if node == first {
+                self.stuck.push(state);
+            }
+        } else if self.stuck.last() == Some(&state) {
+            self.stuck.pop();
+        }
     }
 
     /// Returns the states from which nothing but the environment ever changes, in ascending order.

@@ -342,18 +342,8 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             found.moving.push(!rests);
             return;
         }
-        // a state is stuck if it is so with all inputs
         let state = found.state_of.get(node as usize);
-        let state = state.unwrap_or_default();
-        let nodes = found.nodes_of(state);
-        let was_stuck = node == nodes.start || found.stuck.last() == Some(&state);
-        if rests && was_stuck {
-            if node == nodes.start {
-                found.stuck.push(state);
-            }
-        } else if found.stuck.last() == Some(&state) {
-            found.stuck.pop();
-        }
+        found.rests(node, state.unwrap_or_default(), rests);
     }
 }
 

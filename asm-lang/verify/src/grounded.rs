@@ -2,6 +2,7 @@
 //! not grounded, and those that fail.
 
 mod case;
+mod cases;
 mod command;
 mod layout;
 mod machine_steps;
@@ -45,12 +46,15 @@ pub(crate) struct Grounded {
     pub step: GroundedStep,
     /// The conditions of the exploration.
     pub conditions: Vec<GroundTerm>,
+    /// `true` if a state is one node for each combination of the inputs that conditions read, and none if an assumption excludes it;
+    /// otherwise it is one node.
+    pub has_cases: bool,
 }
 
 impl Grounded {
     /// Grounds a system; `None` if that has no advantage, or if its states are more than locations.
     fn of(machine: &Machine, ranges: &InputRanges, conditions: &Conditions) -> Option<Self> {
-        if !machine.can_revert() || !conditions.assumed.is_empty() {
+        if !machine.can_revert() {
             return None;
         }
         let context = GroundingContext {
@@ -66,13 +70,10 @@ impl Grounded {
         let terms = conditions.terms.iter();
         let terms = terms.map(|it| program.conditions.get(it.term.0 as usize).cloned());
         let terms = terms.collect::<Option<Vec<GroundTerm>>>()?;
-        // a state is one node
-        if terms
+        let mut of_inputs = terms
             .iter()
-            .any(|term| !accesses_of_term(term).inputs.is_empty())
-        {
-            return None;
-        }
+            .map(|term| !accesses_of_term(term).inputs.is_empty());
+        let has_cases = of_inputs.any(|it| it) || !conditions.assumed.is_empty();
         let reads_inputs = !accesses_of_rule(&program.rule).inputs.is_empty();
         let alternatives = program.alternatives(MAX_ALTERNATIVES);
         let step = match alternatives {
@@ -83,6 +84,7 @@ impl Grounded {
             program,
             step,
             conditions: terms,
+            has_cases,
         })
     }
 }
@@ -105,7 +107,7 @@ pub(crate) fn explore<S: TransitionSystem>(
         return Ok(None);
     }
     // fairness to agents tells apart what symmetry does not
-    let symmetry = if options.symmetry && fair.is_empty() {
+    let symmetry = if options.symmetry && fair.is_empty() && !grounded.has_cases {
         Symmetry::of(machine, &grounded.program, &grounded.conditions)
     } else {
         Symmetry::default()

@@ -8,8 +8,12 @@ use asmotion_verify::{Options, Verdict, Verification, verify};
 /// Everything in which two verifications of one specification must agree.
 fn summary(verification: &Verification) -> String {
     let mut text = format!(
-        "{} states, {} transitions, {} deep, {:?}\n",
-        verification.states, verification.transitions, verification.depth, verification.incomplete
+        "{} states, {} transitions, {} deep, {} excluded, {:?}\n",
+        verification.states,
+        verification.transitions,
+        verification.depth,
+        verification.excluded,
+        verification.incomplete
     );
     for property in &verification.properties {
         let verdict = match &property.verdict {
@@ -101,6 +105,43 @@ fn random_specifications_without_inputs_have_the_results_of_machines() {
         grounded += u32::from(found.is_some_and(|it| it.is_grounded));
     }
     assert!(grounded > 250, "{grounded}");
+}
+
+#[test]
+fn properties_that_read_inputs_and_assumptions_have_the_results_of_machines() {
+    let mut random = Random(0x1a50_5678_9abc_de41);
+    let properties = [
+        "ag(left implies ax(p or q))",
+        "ag((left and n > 2) implies ef(right and q))",
+        "left or right or n < 3",
+        "ag(ef(m(1) = 2))",
+        "af(q or left)",
+    ];
+    let assumptions = ["not (left and right)", "left or n < 3", "p or q or left"];
+    let (mut grounded, mut excluded, mut unmet) = (0, 0, 0);
+    for index in 0..300 {
+        let text = random.specification().replace(
+            "import StandardLibrary",
+            "import StandardLibrary\nimport CTLLibrary",
+        );
+        let assumed = (index % 2 == 1).then(|| assumptions[index / 2 % 3].to_owned());
+        let options = Options {
+            properties: properties.iter().map(|it| (*it).to_owned()).collect(),
+            assumptions: assumed.into_iter().collect(),
+            threads: 1 + index % 3,
+            ..Options::default()
+        };
+        let Some(found) = compared(&text, || open(&text), &options) else {
+            unmet += 1;
+            continue;
+        };
+        grounded += u32::from(found.is_grounded);
+        excluded += u32::from(found.excluded > 0);
+    }
+    assert!(
+        grounded > 200 && excluded > 50,
+        "{grounded} {excluded} {unmet}"
+    );
 }
 
 /// Agents that work, of which each may rest for ever unless it is fair.

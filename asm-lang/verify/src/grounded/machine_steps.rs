@@ -1,7 +1,9 @@
 //! Steps and conditions that a machine executes in a state given by words.
 
 use super::layout::{WordLayout, Words};
-use crate::decisions::{DecidedChoices, DecidedInputs, Decision, Decisions, MAX_EXECUTIONS};
+use crate::decisions::{
+    DecidedChoices, DecidedInputs, Decision, Decisions, InputValue, MAX_EXECUTIONS,
+};
 
 use crate::inputs::InputRanges;
 use crate::transition::MachineFault;
@@ -84,6 +86,7 @@ impl<'a> WordMachine<'a> {
         program: &GroundProgram,
         layout: &WordLayout,
         state: &Words<W>,
+        known: &[InputValue],
     ) -> Result<MachineSteps<W>, NotWords> {
         self.enter(program, layout, state);
         self.decisions.restart();
@@ -101,7 +104,7 @@ impl<'a> WordMachine<'a> {
                 machine: 0,
                 decisions: &self.decisions,
                 ranges: self.ranges,
-                known: &[],
+                known,
             };
             let mut choices = DecidedChoices(&self.decisions);
             match self.machine.evaluate_step(&mut inputs, &mut choices, 0) {

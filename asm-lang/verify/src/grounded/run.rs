@@ -1,9 +1,10 @@
 //! The exploration in breadth-first order.
 
+use super::cases::InputCases;
 use super::command::{CompiledCondition, ConditionCode, GroundTruth, StepCode};
 use super::layout::{WordLayout, Words};
 use super::machine_steps::{NotWords, WordMachine, words_of};
-use super::steps::{GroundedSteps, ReachedWords, StateSteps, StepsOfStates};
+use super::steps::{GroundedSteps, KnownNodes, ReachedWords, StateSteps, StepsOfStates};
 use super::store::{HashedState, WordStore};
 use super::symmetry::WordSymmetry;
 use super::{Grounded, GroundedStep};
@@ -70,6 +71,8 @@ pub(crate) struct GroundedRun<'a, const W: usize> {
     others: Vec<GroundedSteps<'a, W>>,
     store: WordStore<W>,
     found: Exploration,
+    /// `None` if each state is one node.
+    cases: Option<InputCases>,
     numbers: Vec<i64>,
     edges: Vec<(u32, u32)>,
     /// Indices of the sets in `moved_sets`.
@@ -91,6 +94,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             program,
             step,
             conditions,
+            has_cases,
         } = request.grounded;
         let alternatives = match step {
             GroundedStep::Alternatives(alternatives) => alternatives.as_slice(),
@@ -100,7 +104,8 @@ impl<const W: usize> GroundedRun<'_, W> {
         if !request.fair.is_empty() && !code.interpreted.is_empty() {
             return Err(StoppedRun::NotGrounded);
         }
-        let conditions = conditions.iter();
+        let count = conditions.len();
+        let conditions = conditions.iter().filter(|_| !has_cases);
         let conditions = conditions.map(|term| CompiledCondition::of(request.layout, term));
         let conditions: Vec<CompiledCondition<W>> = conditions.collect();
         let run = GroundedRun {
@@ -109,7 +114,8 @@ impl<const W: usize> GroundedRun<'_, W> {
             steps: GroundedSteps::new(WordMachine::new(machine, ranges), request, &code),
             others: Vec::new(),
             store: WordStore::new(&request.options.storage),
-            found: Exploration::new(request.options, conditions.len()),
+            found: Exploration::new(request.options, count),
+            cases: has_cases.then(InputCases::default),
             numbers: Vec::new(),
             edges: Vec::new(),
             known_labels: HashMap::new(),
@@ -134,11 +140,12 @@ impl<const W: usize> GroundedRun<'_, W> {
         })?;
         self.found.transitions = 1;
         self.arrive(HashedState::of(initial), None)?;
-        self.found.initial = 1;
+        self.found.initial = self.node_count();
+        self.level_end = self.found.initial;
         self.found.levels.push(0);
         let threads = self.request.options.threads as u32;
-        while (self.node as usize) < self.store.len() && self.found.incomplete.is_none() {
-            let waiting = self.store.len() as u32 - self.node;
+        while self.node < self.node_count() && self.found.incomplete.is_none() {
+            let waiting = self.node_count() - self.node;
             if threads > 1 && waiting >= MIN_SHARED_STATES {
                 let count = waiting.min(ROUND_STATES.saturating_mul(threads));
                 self.round(count, proceed)?;
@@ -146,10 +153,15 @@ impl<const W: usize> GroundedRun<'_, W> {
                 self.expand()?;
                 self.node += 1;
             }
-            if self.node.is_multiple_of(256) || self.node as usize >= self.store.len() {
+            if self.node.is_multiple_of(256) || self.node >= self.node_count() {
                 self.found.check_storage().map_err(StoppedRun::Error)?;
             }
-            self.store.forget_before(self.node);
+            let next = if self.node < self.node_count() {
+                self.nodes().state_of(self.node)
+            } else {
+                self.store.len() as u32
+            };
+            self.store.forget_before(next);
         }
         self.found.explored = self.node;
         if self.found.counts.is_empty() {
@@ -166,17 +178,28 @@ impl<const W: usize> GroundedRun<'_, W> {
         Ok(self.found)
     }
 
+    fn nodes(&self) -> KnownNodes<'_, W> {
+        KnownNodes::of(&self.store, self.cases.as_ref(), &self.found)
+    }
+
+    fn node_count(&self) -> u32 {
+        match &self.cases {
+            None => self.store.len() as u32,
+            Some(_) => self.found.state_of.len() as u32,
+        }
+    }
+
     /// Begins a level if the next node is the first one of it, and examines the limits.
     fn may_proceed(&mut self, proceed: &mut dyn FnMut(Progress) -> bool) -> bool {
         let node = self.node;
         if node == self.level_end {
             self.found.levels.push(node);
-            self.level_end = self.store.len() as u32;
+            self.level_end = self.node_count();
         }
         let reached = Reached {
             node,
             states: self.store.len() as u64,
-            explored: node,
+            explored: self.nodes().state_of(node),
             memory: self.store.memory() as u64,
         };
         let limits = self.request.options.limits;
@@ -185,11 +208,21 @@ impl<const W: usize> GroundedRun<'_, W> {
         self.found.incomplete.is_none()
     }
 
+    /// Returns the state of the next node.
+    fn state(&self) -> Result<Words<W>, StoppedRun> {
+        let state = self.store.get(self.nodes().state_of(self.node));
+        if state.is_none() {
+            // it cannot be read
+            self.found.check_storage().map_err(StoppedRun::Error)?;
+        }
+        state.ok_or(StoppedRun::NotGrounded)
+    }
+
     /// Finds the successors of the next node.
     fn expand(&mut self) -> Result<(), StoppedRun> {
-        let Some(state) = self.store.get(self.node) else {
-            return Ok(());
-        };
+        let state = self.state()?;
+        let nodes = KnownNodes::of(&self.store, self.cases.as_ref(), &self.found);
+        nodes.give(self.node, &mut self.steps);
         let failed = self.steps.find(&state)?;
         // the places of all successors are read first, so that the reads overlap
         let mut touched = 0;
@@ -235,7 +268,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             &mut self.steps,
             &mut self.others,
             first..first + count,
-            &self.store,
+            KnownNodes::of(&self.store, self.cases.as_ref(), &self.found),
         );
         for part in parts {
             let mut start = 0;
@@ -248,9 +281,7 @@ impl<const W: usize> GroundedRun<'_, W> {
                 if let Some(stopped) = found.stopped {
                     return Err(stopped);
                 }
-                let Some(state) = self.store.get(self.node) else {
-                    return Ok(());
-                };
+                let state = self.state()?;
                 for index in start..found.end {
                     let number = match part.reached.get(index) {
                         Some(ReachedWords::Known(number)) => Some(*number),
@@ -279,7 +310,9 @@ impl<const W: usize> GroundedRun<'_, W> {
         let mut again = self.steps.another();
         let at_start = again.counts();
         for node in first..self.node {
-            if let Some(state) = self.store.get(node) {
+            let nodes = self.nodes();
+            if let Some(state) = self.store.get(nodes.state_of(node)) {
+                nodes.give(node, &mut again);
                 // cannot stop, as it did not before
                 let _ = again.find(&state);
             }
@@ -289,14 +322,22 @@ impl<const W: usize> GroundedRun<'_, W> {
         sum(before, std::iter::once(counts.collect()))
     }
 
+    /// Adds the edges to the nodes of a state.
     fn edge(&mut self, target: u32, moved: MovedSet) {
         let label = self.label(moved);
-        self.edges.push((target, label));
+        match &self.cases {
+            None => self.edges.push((target, label)),
+            Some(_) => {
+                let nodes = self.found.nodes_of(target);
+                self.edges.extend(nodes.map(|node| (node, label)));
+            }
+        }
     }
 
     /// Ends the edges of the next node, and notes what else was found about it.
     fn finish(&mut self, found: StateSteps) -> Result<(), StoppedRun> {
         let node = self.node;
+        let state = self.nodes().state_of(node);
         self.found.transitions += found.updating;
         for (decisions, fault) in found.failed {
             let recorded = self.found.fault(node, decisions, fault);
@@ -304,7 +345,7 @@ impl<const W: usize> GroundedRun<'_, W> {
         }
         if self.found.keeps_edges {
             if found.is_idle {
-                self.edge(node, 0);
+                self.edge(state, 0);
             }
             self.edges.sort_unstable();
             self.edges.dedup();
@@ -317,8 +358,10 @@ impl<const W: usize> GroundedRun<'_, W> {
             self.edges.clear();
             self.found.edge_ends.push(self.found.targets.len() as u64);
         }
-        if found.rests {
-            self.found.stuck.push(node);
+        match &self.cases {
+            None if found.rests => self.found.stuck.push(node),
+            None => {}
+            Some(_) => self.found.rests(node, state, found.rests),
         }
         Ok(())
     }
@@ -346,7 +389,20 @@ impl<const W: usize> GroundedRun<'_, W> {
             self.found.incomplete = Some(Incomplete::States);
             return Ok(None);
         };
-        if is_new {
+        if is_new && let Some(cases) = &mut self.cases {
+            let Grounded {
+                program,
+                conditions,
+                ..
+            } = self.request.grounded;
+            cases.observe(
+                (program, self.request.layout),
+                (conditions, self.request.conditions),
+                (number, &new.state),
+                parent.map(|(node, _)| node),
+                &mut self.found,
+            )?;
+        } else if is_new {
             self.found.parents.push(parent.map(|(node, _)| node));
             for index in 0..self.conditions.len() {
                 self.observe(index, &new.state, parent)?;
@@ -444,7 +500,7 @@ fn find_shared<const W: usize>(
     own: &mut GroundedSteps<'_, W>,
     others: &mut [GroundedSteps<'_, W>],
     states: Range<u32>,
-    known: &WordStore<W>,
+    known: KnownNodes<'_, W>,
 ) -> Vec<StepsOfStates<W>> {
     let next = AtomicU32::new(states.start);
     let work = |steps: &mut GroundedSteps<'_, W>| {

@@ -1,14 +1,17 @@
 //! The successors of states, found without changing what is known of the exploration, so that several threads can find those of
 //! different states at the same time.
 
+use super::cases::{InputCases, InputNumbers};
 use super::command::{NoSuccessor, StepCode};
 use super::layout::{WordLayout, Words};
 use super::machine_steps::WordMachine;
 use super::run::{RunRequest, StoppedRun};
 use super::store::{HashedState, WordStore};
 use super::{Grounded, GroundedStep};
-use crate::decisions::{Decision, Decisions, MAX_EXECUTIONS};
+use crate::decisions::{Decision, Decisions, InputValue, MAX_EXECUTIONS};
+use crate::explore::Exploration;
 use crate::fair_moves::MovedSet;
+use crate::spill::Table;
 use crate::transition::MachineFault;
 use asmotion_ground::{
     FAULT, GroundAlternative, GroundProgram, GroundRule, GroundUpdates, Valuation, evaluate,
@@ -33,11 +36,11 @@ pub(crate) struct Successors<const W: usize> {
 }
 
 /// The inputs and choices of an execution, as far as they are decided.
-struct DecidedNumbers<'a> {
-    program: &'a GroundProgram,
-    decisions: &'a Decisions,
-    /// Numbers of the inputs that the execution has read.
-    read: &'a mut Vec<(u32, i64)>,
+pub(crate) struct DecidedNumbers<'a> {
+    pub program: &'a GroundProgram,
+    pub decisions: &'a Decisions,
+    /// Numbers of the inputs that are known, and of those that the execution has read.
+    pub read: &'a mut Vec<(u32, i64)>,
 }
 
 impl Valuation for DecidedNumbers<'_> {
@@ -71,7 +74,10 @@ pub(crate) struct GroundedSteps<'a, const W: usize> {
     updates: GroundUpdates,
     numbers: Vec<i64>,
     decisions: Decisions,
-    read: Vec<(u32, i64)>,
+    read: InputNumbers,
+    /// The inputs that are known, as numbers and as values.
+    known: InputNumbers,
+    known_values: Vec<InputValue>,
     /// `true` if fairness refers to the labels of transitions.
     pub has_labels: bool,
 }
@@ -102,6 +108,8 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
             numbers: Vec::new(),
             decisions: Decisions::default(),
             read: Vec::new(),
+            known: Vec::new(),
+            known_values: Vec::new(),
             has_labels: request.options.keeps_edges && !request.fair.is_empty(),
         }
     }
@@ -110,6 +118,13 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
     pub fn another(&self) -> Self {
         let machine = WordMachine::new(&self.machine.machine, self.machine.ranges);
         Self::new(machine, self.request, self.code)
+    }
+
+    /// Gives the inputs that the next steps read; others are decided.
+    pub fn give(&mut self, numbers: &InputNumbers, values: &[InputValue]) {
+        self.known.clone_from(numbers);
+        self.known_values.clear();
+        self.known_values.extend_from_slice(values);
     }
 
     /// Finds the successors of a state; returns the steps that fail.
@@ -143,7 +158,9 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
     #[cold]
     fn machine_steps(&mut self, state: &Words<W>) -> Result<Vec<FailedStep>, StoppedRun> {
         let program = &self.request.grounded.program;
-        let steps = self.machine.steps(program, self.request.layout, state)?;
+        let steps = self
+            .machine
+            .steps(program, self.request.layout, state, &self.known_values)?;
         self.successors.states.clear();
         self.successors.updating = 0;
         for (next, has_updates) in steps.next {
@@ -262,7 +279,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
                 // the machine finds as many, and reports it
                 return Err(NoSuccessor::Machine);
             }
-            self.read.clear();
+            self.read.clone_from(&self.known);
             let mut valuation = DecidedNumbers {
                 program,
                 decisions: &self.decisions,
@@ -307,7 +324,52 @@ pub(crate) enum ReachedWords<const W: usize> {
     Fresh(HashedState<W>),
 }
 
-/// What was found about the steps of one state.
+/// The nodes that are known.
+#[derive(Clone, Copy)]
+pub(crate) struct KnownNodes<'a, const W: usize> {
+    pub store: &'a WordStore<W>,
+    /// If a state can be several nodes, the state and the inputs of each.
+    pub cases: Option<&'a InputCases>,
+    pub state_of: &'a Table<u32>,
+    pub inputs_of: &'a Table<u32>,
+    pub inputs: &'a [Vec<InputValue>],
+}
+
+impl<'a, const W: usize> KnownNodes<'a, W> {
+    pub fn of(
+        store: &'a WordStore<W>,
+        cases: Option<&'a InputCases>,
+        found: &'a Exploration,
+    ) -> Self {
+        Self {
+            store,
+            cases,
+            state_of: &found.state_of,
+            inputs_of: &found.inputs_of,
+            inputs: &found.inputs,
+        }
+    }
+
+    /// Returns the number of a node's state.
+    pub fn state_of(&self, node: u32) -> u32 {
+        match self.cases {
+            None => node,
+            Some(_) => self.state_of.get(node as usize).unwrap_or_default(),
+        }
+    }
+
+    /// Gives the inputs of a node to its steps.
+    pub fn give(&self, node: u32, steps: &mut GroundedSteps<'_, W>) {
+        if let Some(cases) = self.cases {
+            let at = self.inputs_of.get(node as usize).unwrap_or_default() as usize;
+            if let (Some(numbers), Some(values)) = (cases.numbers.get(at), self.inputs.get(at)) {
+                steps.give(numbers, values);
+            }
+        }
+    }
+}
+
+/// What was found about the steps of one node.
 #[derive(Debug)]
 pub(crate) struct StateSteps {
     /// Index after the last of its successors in [`StepsOfStates::reached`].
@@ -331,19 +393,22 @@ pub(crate) struct StepsOfStates<const W: usize> {
 }
 
 impl<const W: usize> GroundedSteps<'_, W> {
-    /// Finds the successors of consecutive states.
+    /// Finds the successors of consecutive nodes.
     pub fn find_all(
         &mut self,
-        states: std::ops::Range<u32>,
-        known: &WordStore<W>,
+        range: std::ops::Range<u32>,
+        nodes: KnownNodes<'_, W>,
     ) -> StepsOfStates<W> {
+        let known = nodes.store;
         let mut all = StepsOfStates {
-            states: Vec::with_capacity(states.len()),
+            states: Vec::with_capacity(range.len()),
             reached: Vec::new(),
             moved: Vec::new(),
         };
-        for number in states {
-            let state = known.get(number).unwrap_or([0; W]);
+        for number in range {
+            let state = nodes.state_of(number);
+            let state = known.get(state).unwrap_or([0; W]);
+            nodes.give(number, self);
             let (failed, stopped) = match self.find(&state) {
                 Ok(failed) => (failed, None),
                 Err(stopped) => (Vec::new(), Some(stopped)),
