@@ -189,11 +189,12 @@ fn operands(connective: Connective, term: &GroundTerm) -> Vec<&GroundTerm> {
     let mut found = Vec::new();
     let mut waiting = vec![term];
     while let Some(term) = waiting.pop() {
-        match term {
-            GroundTerm::Logic(inner, left, right) if *inner == connective => {
-                waiting.extend([&**right, &**left]);
-            }
-            other => found.push(other),
+        if let GroundTerm::Logic(inner, left, right) = term
+            && *inner == connective
+        {
+            waiting.extend([&**right, &**left]);
+        } else {
+            found.push(term);
         }
     }
     found
