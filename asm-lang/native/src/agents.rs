@@ -1,5 +1,6 @@
 //! Atoms and agents: what is known of them when code is generated, and domains that rules extend.
 
+use crate::direct_frame;
 use crate::emit::{AtomCode, Emitter, KnownValue, Ssa};
 use crate::frame::at;
 use crate::rule::{BoundRange, Counting, total};
@@ -134,8 +135,10 @@ impl Emitter<'_> {
     /// Loads the address and the number of the elements of a domain.
     fn extent(&mut self, domain: DomainId) -> Option<(Ssa, Ssa)> {
         let index = self.direct.as_mut()?.extent(domain)?;
-        let [elements, count] = crate::direct_frame::extent_offsets(index);
-        Some((self.field(I64, elements), self.field(I64, count)))
+        let [elements, count] = direct_frame::extent_offsets(index);
+        let table = self.field(I64, direct_frame::EXTENTS);
+        let elements = self.load(self.memory.extents, I64, table, elements);
+        Some((elements, self.load(self.memory.extents, I64, table, count)))
     }
 
     /// Leaves for the detour if an atom is not an element of a domain, which has these constants.

@@ -35,9 +35,12 @@ struct Extent {
     count: usize,
 }
 
-/// Returns the offsets of the address and the number of the elements of a domain, by its index.
+/// Offset of the table of extents.
+pub(crate) const EXTENTS: i32 = offset_of!(DirectFrame, extents) as i32;
+
+/// Returns the offsets in the table of the address and the number of the elements of a domain, by its index.
 pub(crate) fn extent_offsets(index: usize) -> [i32; 2] {
-    let extent = (offset_of!(DirectFrame, extents) + index * size_of::<Extent>()) as i32;
+    let extent = (index * size_of::<Extent>()) as i32;
     [
         extent + offset_of!(Extent, elements) as i32,
         extent + offset_of!(Extent, count) as i32,
@@ -55,8 +58,8 @@ pub(crate) struct DirectFrame {
     epoch: u32,
     /// The list for previous values; null if the updates are not applied.
     before: *mut Value,
-    /// The elements of the domains that the rule enumerates.
-    extents: [Extent; MAX_EXTENTS],
+    /// The elements of the domains that the rule enumerates; null if there are none.
+    extents: *const Extent,
     step: *mut DirectStep<'static>,
     /// The panic of a chooser, to be resumed when native code returns.
     panic: Option<PanicPayload>,
@@ -79,6 +82,20 @@ impl DirectFrame {
         updates: usize,
         domains: &[DomainId],
     ) -> DirectResult {
+        if domains.is_empty() {
+            Self::enter_with(step, entry, updates, std::ptr::null())
+        } else {
+            Self::enter_with_extents(step, entry, updates, domains)
+        }
+    }
+
+    #[inline(never)]
+    fn enter_with_extents(
+        step: &mut DirectStep<'_>,
+        entry: DirectEntry,
+        updates: usize,
+        domains: &[DomainId],
+    ) -> DirectResult {
         let mut extents = [Extent {
             elements: std::ptr::null(),
             count: 0,
@@ -87,6 +104,17 @@ impl DirectFrame {
             let elements = step.extent(*domain);
             (extent.elements, extent.count) = (elements.as_ptr(), elements.len());
         }
+        Self::enter_with(step, entry, updates, extents.as_ptr())
+    }
+
+    /// Runs a direct rule that enumerates these domains.
+    #[inline(always)]
+    fn enter_with(
+        step: &mut DirectStep<'_>,
+        entry: DirectEntry,
+        updates: usize,
+        extents: *const Extent,
+    ) -> DirectResult {
         let slots = step.slots_mut().as_mut_ptr();
         let before = match step.before() {
             Some(before) => {
