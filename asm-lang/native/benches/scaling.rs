@@ -216,8 +216,9 @@ fn near() -> bool {
             &size.to_string(),
             &format!("{each:.1} ns"),
             Some(each / first),
-            "2 times that of 1,000",
-            each / first <= 2.0,
+            "2 times that of 1,000; fails above 3",
+            // a step of a million agents moves 300 MB, so other load on the memory counts twice
+            each / first <= 3.0,
         );
     }
     is_kept
@@ -287,6 +288,9 @@ fn choose() -> bool {
     is_kept
 }
 
+/// The name of a subject, and its measurement, which returns `true` if the limits are kept.
+type Subject = (&'static str, fn() -> bool);
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_selected = |name: &str| {
@@ -298,7 +302,7 @@ fn main() {
     };
     println!("| | size | time | ratio | at most |");
     println!("| --- | --- | --- | --- | --- |");
-    let subjects: [(&str, fn() -> bool); 4] = [
+    let subjects: [Subject; 4] = [
         ("near", near),
         ("created", created),
         ("initial", initial),

@@ -3,8 +3,8 @@
 use crate::direct_frame;
 use crate::emit::{AtomCode, Emitter, KnownValue, Ssa};
 use crate::frame::at;
-use crate::rule::{BoundRange, Counting, total};
-use asmotion_ir::{DomainId, Local, MAX_CREATED, Program, RoutineId};
+use crate::range::{BoundRange, Counting, total};
+use asmotion_ir::{DomainId, Local, MAX_CREATED, Program, RoutineId, Rule, Term, TermNode};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder};
@@ -164,5 +164,56 @@ impl Emitter<'_> {
         let is_declared = self.compare(IntCC::UnsignedLessThan, atom.value, declared as i64);
         let outside = self.builder.ins().band(outside, is_declared);
         self.bail_if(outside);
+    }
+
+    /// Generates code for the program of an agent, if all agents in question have the same one.
+    pub fn run_agent(&mut self, rule: &Rule, agent: &Term, arguments: &[Term]) {
+        let Some((agent, routine)) = self.one_program(agent).filter(|_| arguments.is_empty())
+        else {
+            return self.rule_outside(rule);
+        };
+        let called = &self.program.routines[routine.0 as usize];
+        let native = |this: &mut Self| {
+            this.count_call();
+            let before = this.direct.is_none().then(|| this.set_agent(agent));
+            let outer = this.enter(routine, Vec::new());
+            this.scope.agent = Some(agent);
+            this.rule(&called.code);
+            this.leave(outer);
+            if let Some(before) = before {
+                this.reset_agent(before);
+            }
+        };
+        self.straight_unit(false, native, |this| this.rule_outside(rule));
+    }
+
+    /// Stores the running agent where closures find it, and returns the previous one. That is an atom or undef, so it can
+    /// be saved and restored as raw words.
+    fn set_agent(&mut self, agent: AtomCode) -> [Ssa; 2] {
+        let run = self.run();
+        let before =
+            [0, at::PAYLOAD].map(|offset| self.load(self.memory.run, I64, run, at::AGENT + offset));
+        self.store_scalar(self.memory.run, run, at::AGENT, KnownValue::Atom(agent));
+        before
+    }
+
+    fn reset_agent(&mut self, before: [Ssa; 2]) {
+        let run = self.run();
+        for (word, offset) in before.into_iter().zip([0, at::PAYLOAD]) {
+            self.store(self.memory.run, word, run, at::AGENT + offset);
+        }
+    }
+
+    /// Returns the agent, in a register, and the only routine that can be its program.
+    fn one_program(&self, agent: &Term) -> Option<(AtomCode, RoutineId)> {
+        let TermNode::Local(local) = &*agent.node else {
+            return None;
+        };
+        let Some(KnownValue::Atom(agent)) = self.scope.locals.get(*local as usize) else {
+            return None;
+        };
+        let routine = routine_of(self.program, agent.among?)?;
+        let called = &self.program.routines[routine.0 as usize];
+        (called.arguments == 0 && self.may_build_in(routine)).then_some((*agent, routine))
     }
 }

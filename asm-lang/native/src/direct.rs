@@ -8,7 +8,7 @@ use crate::direct_frame;
 use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::location::Located;
-use crate::rule::{BoundRange, total};
+use crate::range::{BoundRange, total};
 use crate::value_facts::{ValueFact, ValueFacts};
 use asmotion_ir::{FunctionId, Origin};
 use asmotion_value::layout;

@@ -2,8 +2,8 @@
 
 use crate::agents::AtomRange;
 use crate::emit::{AtomCode, Emitter, KnownValue, Loops, NativeInt, Ssa};
+use crate::range::{BoundRange, Counting, total};
 use crate::range_guard::RangeGuard;
-use crate::rule::{BoundRange, Counting, total};
 use crate::static_analysis::StaticRange;
 use asmotion_ir::{
     Arithmetic, IntegerInterval, Local, Origin, Term, TermNode, ValueKind, first_conjunct,

@@ -23,6 +23,7 @@ mod frame;
 mod limits;
 mod location;
 mod memory;
+mod range;
 mod range_guard;
 mod rule;
 mod sequence;

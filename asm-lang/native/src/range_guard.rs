@@ -2,7 +2,7 @@
 
 use crate::emit::{Emitter, UpdateMode};
 use crate::limits::MIN_INDEXED;
-use crate::rule::{BoundRange, total};
+use crate::range::{BoundRange, total};
 use crate::static_analysis::counts;
 use asmotion_ir::{Binder, IndexedGuard, Program, Term};
 use cranelift_codegen::ir::Block;

@@ -82,8 +82,9 @@ fn differs_nowhere(specification: &Specification, expected: &[Done], seed: u64, 
             }
             Machine::new(Arc::new(lowered.program)).ok()
         });
+    assert!(interned.is_some(), "no machine without lazy slots: {text}");
     let Some(mut interned) = interned else {
-        panic!("no machine without lazy slots: {text}");
+        return;
     };
     let _ = interned.set_back_end(BackEnd::Closures);
     for (step, (done, expected)) in run(specification, interned, seed)

@@ -500,9 +500,8 @@ impl Generator<'_> {
         };
         match self.of(3) {
             0 => format!("wide({place}) := {}", self.integer(1, &scope)),
-            1 => format!(
-                "forall $far in {{65530 : 65540}} with true do wide($far) := wide($far - 1) + 1"
-            ),
+            1 => "forall $far in {65530 : 65540} with true do wide($far) := wide($far - 1) + 1"
+                .to_owned(),
             _ => format!(
                 "if wide({place}) = undef then wide({place}) := 1 else a := wide({place}) endif"
             ),
