@@ -280,6 +280,9 @@ impl Verify {
             if self.symmetry() && verification.symmetric.is_empty() {
                 show::without_symmetry(terminal);
             }
+            if self.cone() && verification.left_out.is_empty() {
+                show::without_cone(terminal);
+            }
             if self.advice {
                 show::advice(verification, terminal);
             }

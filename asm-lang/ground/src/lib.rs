@@ -10,6 +10,7 @@
 
 mod alternatives;
 mod binder;
+mod cone;
 mod evaluate;
 mod fold;
 mod grounding;
@@ -24,6 +25,7 @@ mod term;
 mod visit;
 
 pub use alternatives::{GroundAlternative, GroundChoice};
+pub use cone::cone;
 pub use evaluate::{GroundUpdates, Valuation, evaluate, execute};
 pub use grounding::{GroundingContext, TooLarge, ground};
 pub use program::*;

@@ -11,7 +11,7 @@ use crate::store::{StateStorage, StateStore};
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
 use asmotion_lang::Machine;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 
 /// Limits of an exploration; `None` for no limit.
@@ -36,6 +36,8 @@ pub(crate) struct ExplorationOptions {
     /// Number of threads.
     pub threads: usize,
     pub storage: StateStorage,
+    /// The only conditions that matter, besides those that are assumed; locations on which they do not depend can be left out.
+    pub cone: Option<BTreeSet<usize>>,
     /// `true` to explore one of several states that permutations of elements make of each other, where that makes no difference.
     pub symmetry: bool,
 }
@@ -194,6 +196,8 @@ pub(crate) struct Exploration {
     pub labels: Table<u32>,
     pub moved_sets: Vec<MovedSet>,
     pub keeps_edges: bool,
+    /// Names of functions of which locations were left out.
+    pub left_out: Vec<String>,
     /// Names of the domains whose elements were permuted.
     pub symmetric: Vec<String>,
     /// Space for tables outside of memory, if there is one.

@@ -16,12 +16,14 @@ use crate::fair_moves::FairMoves;
 use crate::inputs::InputRanges;
 use crate::transition::TransitionSystem;
 use asmotion_ground::{
-    GroundAlternative, GroundProgram, GroundRule, GroundTerm, GroundingContext, accesses_of_rule,
-    accesses_of_term, ground,
+    GroundAlternative, GroundProgram, GroundRule, GroundTerm, GroundingContext, UNDEF,
+    accesses_of_rule, accesses_of_term, cone, ground,
 };
+use asmotion_lang::ir::FunctionId;
 use asmotion_lang::{Machine, Value};
 use layout::{WordLayout, widen};
 use run::{GroundedRun, StoppedRun};
+use std::collections::BTreeSet;
 use symmetry::Symmetry;
 
 /// Limit for the alternatives of a step that become commands.
@@ -49,11 +51,18 @@ pub(crate) struct Grounded {
     /// `true` if a state is one node for each combination of the inputs that conditions read, and none if an assumption excludes it;
     /// otherwise it is one node.
     pub has_cases: bool,
+    /// Names of functions of which locations were left out.
+    pub left_out: Vec<String>,
 }
 
 impl Grounded {
     /// Grounds a system; `None` if that has no advantage, or if its states are more than locations.
-    fn of(machine: &Machine, ranges: &InputRanges, conditions: &Conditions) -> Option<Self> {
+    fn of(
+        machine: &Machine,
+        ranges: &InputRanges,
+        conditions: &Conditions,
+        needed: Option<&BTreeSet<usize>>,
+    ) -> Option<Self> {
         if !machine.can_revert() {
             return None;
         }
@@ -63,13 +72,25 @@ impl Grounded {
             extent: &|domain| machine.state().extent(domain).to_vec(),
             inputs: &|function| ranges.of(function).ok().map(<[Value]>::to_vec),
         };
-        let program = ground(&context).ok()?;
+        let mut program = ground(&context).ok()?;
         if program.rule == GroundRule::Machine {
             return None;
         }
         let terms = conditions.terms.iter();
         let terms = terms.map(|it| program.conditions.get(it.term.0 as usize).cloned());
-        let terms = terms.collect::<Option<Vec<GroundTerm>>>()?;
+        let mut terms = terms.collect::<Option<Vec<GroundTerm>>>()?;
+        let mut left_out = Vec::new();
+        if let Some(needed) = needed {
+            for (index, term) in terms.iter_mut().enumerate() {
+                if !needed.contains(&index) && !conditions.assumed.contains(&index) {
+                    *term = GroundTerm::Constant(0);
+                }
+            }
+            left_out = leave_out(machine, &mut program, &terms);
+            if left_out.is_empty() {
+                return None;
+            }
+        }
         let mut of_inputs = terms
             .iter()
             .map(|term| !accesses_of_term(term).inputs.is_empty());
@@ -85,8 +106,34 @@ impl Grounded {
             step,
             conditions: terms,
             has_cases,
+            left_out,
         })
     }
+}
+
+/// Leaves out the variables on which terms do not depend: they keep their initial values. Returns the names of their functions.
+fn leave_out(machine: &Machine, program: &mut GroundProgram, terms: &[GroundTerm]) -> Vec<String> {
+    if accesses_of_rule(&program.rule).needs_machine {
+        return Vec::new();
+    }
+    let kept = cone(&program.rule, terms);
+    let mut left_out = BTreeSet::new();
+    for (index, variable) in (0u32..).zip(&mut program.variables) {
+        if !kept.contains(&index) {
+            let initial = variable.initial;
+            variable.may_be_undef = initial == UNDEF;
+            variable.range = if initial == UNDEF {
+                (0, 0)
+            } else {
+                (initial, initial)
+            };
+            left_out.insert(variable.function);
+        }
+    }
+    program.rule = program.rule.projected(&kept);
+    let names = &machine.program().symbols.functions;
+    let name = |function: &FunctionId| names.get(function.0 as usize).map(ToString::to_string);
+    left_out.iter().filter_map(name).collect()
 }
 
 /// Explores a system in its grounded form. `None` if it has none, or if its states turn out to be more than locations.
@@ -100,7 +147,8 @@ pub(crate) fn explore<S: TransitionSystem>(
     let Some((machine, ranges)) = system.single() else {
         return Ok(None);
     };
-    let Some(mut grounded) = Grounded::of(machine, ranges, conditions) else {
+    let Some(mut grounded) = Grounded::of(machine, ranges, conditions, options.cone.as_ref())
+    else {
         return Ok(None);
     };
     if !fair.is_empty() && matches!(grounded.step, GroundedStep::Rule) {
@@ -135,6 +183,7 @@ pub(crate) fn explore<S: TransitionSystem>(
         match stopped {
             Ok(mut exploration) => {
                 exploration.symmetric = symmetry.names();
+                exploration.left_out.clone_from(&grounded.left_out);
                 return Ok(Some(exploration));
             }
             Err(StoppedRun::Error(error)) => return Err(error),

@@ -82,6 +82,9 @@ pub struct Options {
     /// `true` to explore one of several states that permutations of the elements of a domain make of each other, where that makes
     /// no difference: see [`Verification::symmetric`](crate::Verification::symmetric).
     pub symmetry: bool,
+    /// `true` to leave out locations that the properties in `only` do not depend on, if these are about single states: see
+    /// [`Verification::left_out`](crate::Verification::left_out).
+    pub cone: bool,
     /// How states are stored, if they are explored one by one.
     pub storage: Storage,
     /// Number of threads that explore states one by one; 0 counts as 1. The result does not depend on it.

@@ -55,6 +55,14 @@ impl Prepared {
     }
 }
 
+impl Property {
+    /// Returns `true` if this is one of the properties with these names or texts, or if there are none.
+    pub fn is_wanted(&self, only: &[String]) -> bool {
+        let is_it = |wanted: &String| Some(wanted) == self.name.as_ref() || *wanted == self.text;
+        only.is_empty() || only.iter().any(is_it)
+    }
+}
+
 /// Checks the properties, of which only those with these names or texts, or all and the general ones if there are none.
 pub(crate) fn verdicts<S: TransitionSystem>(
     prepared: &Prepared,
@@ -62,29 +70,26 @@ pub(crate) fn verdicts<S: TransitionSystem>(
     only: &[String],
 ) -> Result<Vec<CheckedProperty>, LogicError> {
     let exploration = replay.exploration;
-    let checker = if prepared.needs_graph() && exploration.incomplete.is_none() {
-        Some(Checker::new(
-            exploration,
-            &prepared.fairness,
-            FairnessOfSteps {
-                scheduled: &replay.system.fairness(),
-                due: replay.fair,
-            },
-        )?)
-    } else {
-        None
-    };
-    let is_wanted = |property: &&Property| {
-        let is_it =
-            |wanted: &String| Some(wanted) == property.name.as_ref() || *wanted == property.text;
-        only.is_empty() || only.iter().any(is_it)
-    };
+    // without transitions, no property that needs them is wanted
+    let checker =
+        if exploration.keeps_edges && prepared.needs_graph() && exploration.incomplete.is_none() {
+            Some(Checker::new(
+                exploration,
+                &prepared.fairness,
+                FairnessOfSteps {
+                    scheduled: &replay.system.fairness(),
+                    due: replay.fair,
+                },
+            )?)
+        } else {
+            None
+        };
     let judge = Judge {
         prepared,
         replay,
         checker,
     };
-    let properties = prepared.properties.iter().filter(is_wanted);
+    let properties = prepared.properties.iter().filter(|it| it.is_wanted(only));
     let mut checked = properties
         .map(|property| judge.property(property))
         .collect::<Result<Vec<CheckedProperty>, LogicError>>()?;

@@ -15,6 +15,7 @@ use crate::fair_moves::FairMoves;
 use crate::grounded;
 use crate::growth::{GrowingLocation, growing_locations};
 use crate::inputs::InputRanges;
+use crate::logic::visit_conditions;
 use crate::machines::MachineSystem;
 use crate::mail::MessagePlan;
 #[cfg(feature = "symbolic")]
@@ -29,6 +30,7 @@ use crate::transition::{SingleMachine, TransitionSystem};
 use crate::verdicts::verdicts;
 use asmotion_diagnostics::Finding;
 use asmotion_lang::{Machine, Report, Specification};
+use std::collections::BTreeSet;
 
 /// The result of a verification.
 #[derive(Debug)]
@@ -51,6 +53,9 @@ pub struct Verification {
     pub incomplete: Option<Incomplete>,
     /// Locations that take ever new values, if not all states were explored.
     pub growing: Vec<GrowingLocation>,
+    /// Names of functions of which locations were left out, since the selected properties do not depend on them. States that differ
+    /// only in these are counted once.
+    pub left_out: Vec<String>,
     /// Names of the domains whose elements were permuted, with the elements if these are not all. States that permutations make of
     /// each other are then counted once.
     pub symmetric: Vec<String>,
@@ -266,39 +271,56 @@ impl Exploring<'_> {
         system: S,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
+        self.run_in(&system, self.cone(), proceed)
+    }
+
+    /// Explores a system and checks the properties, in their cone of influence if there is one.
+    fn run_in<S: TransitionSystem>(
+        &self,
+        system: &S,
+        cone: Option<BTreeSet<usize>>,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Verification, (usize, Report)> {
         let exploration = self
-            .explore(&system, proceed)
-            .map_err(|error| self.explain(&system, &error))?;
+            .explore(system, cone, proceed)
+            .map_err(|error| self.explain(system, &error))?;
         if exploration.initial == 0 {
             return Err((0, self.nothing_assumed()));
         }
         let replay = Replay {
             machines: self.known,
             exploration: &exploration,
-            system: &system,
+            system,
             fair: self.fair,
             keeps_states: self.options.keeps_states,
         };
         let properties = verdicts(self.properties, &replay, &self.options.only)
             .map_err(|error| (0, report_of(error.diagnostic())))?;
+        // A step of the specification makes the same updates in the cone as a step there, unless it fails. What holds in all states of
+        // the cone therefore holds in all states; a run in the cone may not be one of the specification.
+        let is_shown = |property: &CheckedProperty| property.verdict.run().is_some();
+        if !exploration.left_out.is_empty() && properties.iter().any(is_shown) {
+            return self.run_in(system, None, proceed);
+        }
         let has_advice = self.options.advice && !exploration.stands_for_others();
         let (advice, has_advice_on_steps) = if has_advice && exploration.incomplete.is_none() {
-            advice(&system, &exploration, self.known)
+            advice(system, &exploration, self.known)
         } else {
             (Vec::new(), true)
         };
         let growing = if exploration.incomplete.is_some() && !exploration.stands_for_others() {
-            growing_locations(&system, &exploration, self.known)
+            growing_locations(system, &exploration, self.known)
         } else {
             Vec::new()
         };
         let (states, depth) = (exploration.state_count(), exploration.depth());
         // the search for runs and locations may have read what cannot be read
         let checked = exploration.check_storage();
-        checked.map_err(|error| self.explain(&system, &error))?;
+        checked.map_err(|error| self.explain(system, &error))?;
         let is_compact = exploration.is_compact();
         Ok(Verification {
             symmetric: exploration.symmetric.clone(),
+            left_out: exploration.left_out.clone(),
             expected_missed: is_compact.then(|| expected_missed(states)),
             machines: Vec::new(),
             properties,
@@ -316,14 +338,35 @@ impl Exploring<'_> {
         })
     }
 
+    /// Returns the conditions of the selected properties, if these are about single states and locations may be left out. The general
+    /// properties are about all locations, so that they must not be selected.
+    fn cone(&self) -> Option<BTreeSet<usize>> {
+        let only = self.options.only.as_slice();
+        if !self.options.cone || only.is_empty() {
+            return None;
+        }
+        let mut conditions = BTreeSet::new();
+        let properties = self.properties.properties.iter();
+        for property in properties.filter(|it| it.is_wanted(only)) {
+            self.properties.of_nodes(property)?;
+            visit_conditions(&property.formula, &mut |index| {
+                conditions.insert(index);
+            });
+            conditions.extend(&property.antecedents);
+        }
+        Some(conditions)
+    }
+
     /// Explores a system, in its grounded form if it has one.
     fn explore<S: TransitionSystem>(
         &self,
         system: &S,
+        cone: Option<BTreeSet<usize>>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
         let conditions = &self.properties.conditions;
-        let options = ExplorationOptions {
+        let mut options = ExplorationOptions {
+            cone,
             limits: self.options.limits,
             keeps_edges: self.properties.needs_graph(),
             threads: self.options.threads.max(1),
@@ -333,6 +376,15 @@ impl Exploring<'_> {
         // advice counts every branch, which grounded steps do not have
         let is_groundable = !self.options.without_grounding && !self.options.advice;
         if is_groundable {
+            if options.cone.is_some() {
+                options.keeps_edges = false;
+                let part = grounded::explore(system, conditions, &options, self.fair, proceed)?;
+                if let Some(exploration) = part {
+                    return Ok(exploration);
+                }
+                options.cone = None;
+                options.keeps_edges = self.properties.needs_graph();
+            }
             let grounded = grounded::explore(system, conditions, &options, self.fair, proceed)?;
             if let Some(exploration) = grounded {
                 return Ok(exploration);
@@ -372,6 +424,7 @@ impl Exploring<'_> {
             incomplete: found.incomplete,
             growing: Vec::new(),
             symmetric: Vec::new(),
+            left_out: Vec::new(),
             expected_missed: None,
             advice: Vec::new(),
             has_advice_on_steps: false,

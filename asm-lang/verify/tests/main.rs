@@ -9,6 +9,7 @@
 mod advice;
 mod bad_input;
 mod bad_systems;
+mod cone;
 mod counts;
 mod environments;
 mod fairness;

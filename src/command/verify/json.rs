@@ -57,6 +57,7 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "assumptions": verification.assumptions,
         "advice": advice.collect::<Vec<Value>>(),
         "growing": growing.collect::<Vec<Value>>(),
+        "left_out": verification.left_out,
         "symmetric": verification.symmetric,
         "expected_missed": verification.expected_missed,
         "incomplete": verification.incomplete.map(incomplete_word),

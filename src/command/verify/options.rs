@@ -60,6 +60,7 @@ impl Verify {
             threads: self.threads(),
             storage,
             symmetry: self.symmetry(),
+            cone: self.cone(),
             messages: self.system.message_model(),
             ..Options::default()
         };

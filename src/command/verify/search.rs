@@ -24,6 +24,10 @@ pub struct SearchOptions {
     #[arg(long)]
     symmetry: bool,
 
+    /// Leaves out locations that the properties of `--property` and `--possible` do not depend on
+    #[arg(long)]
+    cone: bool,
+
     /// How states are stored
     #[arg(long, value_name = "STORAGE", value_enum, default_value_t = StorageOption::Exact)]
     storage: StorageOption,
@@ -56,6 +60,11 @@ impl Verify {
         self.search.symmetry
     }
 
+    /// Returns `true` if locations are left out on which the selected properties do not depend.
+    pub(super) fn cone(&self) -> bool {
+        self.search.cone
+    }
+
     /// Returns the way to store states.
     ///
     /// # Errors
@@ -67,6 +76,18 @@ impl Verify {
         if is_symbolic && (search.threads.is_some() || search.symmetry || !is_exact) {
             return Err(
                 "`--threads`, `--symmetry` and `--storage` are for `--engine explicit`".to_owned(),
+            );
+        }
+        if search.cone && (is_symbolic || self.advice || self.mutants) {
+            return Err(
+                "`--cone` is for `--engine explicit`, without `--advice` and `--mutants`"
+                    .to_owned(),
+            );
+        }
+        if search.cone && self.property.is_empty() && self.possible.is_empty() {
+            return Err(
+                "`--cone` needs `--property` or `--possible`: the general properties are about all locations"
+                    .to_owned(),
             );
         }
         if search.symmetry && self.advice {

@@ -37,6 +37,12 @@ pub fn text(
         number(count(Verdict::is_violated)),
         number(count(|it| matches!(it, Verdict::Unknown))),
     ));
+    if !verification.left_out.is_empty() {
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} locations were left out on which the properties do not depend: of {}",
+            verification.left_out.join(", ")
+        ));
+    }
     for domain in &verification.symmetric {
         terminal.result(format_args!(
             "  {NOTE}note{NOTE:#} states that differ by a permutation of {domain} are counted once"
@@ -75,6 +81,13 @@ pub fn text(
             ));
         }
     }
+}
+
+/// Says that no location was left out.
+pub fn without_cone(terminal: &mut TerminalOutput) {
+    terminal.result(format_args!(
+        "  {NOTE}note{NOTE:#} `--cone` has no effect: the properties depend on all locations, are about paths or shown by a run, or the states have no grounded form"
+    ));
 }
 
 /// Says that no state was left out for symmetry.

@@ -95,6 +95,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             step,
             conditions,
             has_cases,
+            ..
         } = request.grounded;
         let alternatives = match step {
             GroundedStep::Alternatives(alternatives) => alternatives.as_slice(),

@@ -140,6 +140,10 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
             }
             // the label of a machine's step is not known
             Err(NoSuccessor::Machine) if self.has_labels => return Err(StoppedRun::NotGrounded),
+            // a machine would execute what was left out, too
+            Err(NoSuccessor::Machine) if !self.request.grounded.left_out.is_empty() => {
+                return Err(StoppedRun::NotGrounded);
+            }
             Err(NoSuccessor::Machine) => self.machine_steps(state)?,
         };
         let successors = &mut self.successors;
