@@ -4,7 +4,7 @@
 //! locations if an argument differs: two constants, or two sums of the same variable and different constants. Executions in
 //! different iterations of a `forall` differ if an argument is the variable of the loop plus the same constant in both.
 
-use crate::agents::{AtomRange, routine_of};
+use crate::atoms::{AtomRange, routine_of};
 use crate::limits::{MAX_INLINED, MAX_RULES};
 use asmotion_ir::{
     Arithmetic, AssignTarget, AxisRange, Binder, BinderRange, DomainElements, FunctionId, Program,

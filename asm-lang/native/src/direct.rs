@@ -3,12 +3,12 @@
 //! A direct rule needs neither the context of a step nor its counters: the numbers of bindings, calls and updates are
 //! bounded when it is compiled. Functions whose locations are updated at most once need no marks.
 
+use crate::bound_range::{BoundRange, total};
 use crate::direct_code::{DirectCode, DirectSequence};
 use crate::direct_frame;
 use crate::emit::{Emitter, KnownValue, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::location::Located;
-use crate::range::{BoundRange, total};
 use crate::value_facts::{ValueFact, ValueFacts};
 use asmotion_ir::{FunctionId, Origin};
 use asmotion_value::layout;

@@ -1,8 +1,8 @@
 //! Ranges in direct rules: loops over a residue class, and `choose` that evaluates each guard once.
 
-use crate::agents::AtomRange;
+use crate::atoms::AtomRange;
+use crate::bound_range::{BoundRange, Counting, total};
 use crate::emit::{AtomCode, Emitter, KnownValue, Loops, NativeInt, Ssa};
-use crate::range::{BoundRange, Counting, total};
 use crate::range_guard::RangeGuard;
 use crate::static_analysis::StaticRange;
 use asmotion_ir::{

@@ -1,6 +1,6 @@
 //! The function under construction: blocks, memory accesses and exits.
 
-use crate::agents::AtomRange;
+use crate::atoms::AtomRange;
 use crate::detour::Detour;
 use crate::direct_code::DirectCode;
 use crate::frame::{at, out, pack_call_position};

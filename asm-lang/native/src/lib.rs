@@ -9,6 +9,8 @@
 //! both back ends.
 
 mod agents;
+mod atoms;
+mod bound_range;
 mod clash;
 mod compile;
 mod counted;

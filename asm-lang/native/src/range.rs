@@ -1,35 +1,15 @@
 //! Generates code for ranges of variables: `forall`, `choose`, and loops over all assignments.
 
-use crate::agents::AtomRange;
+use crate::atoms::AtomRange;
+use crate::bound_range::{BoundRange, Counting, total};
 use crate::emit::{AtomCode, Emitter, KnownValue, Loops, NativeInt, Ssa};
 use crate::range_guard::RangeGuard;
 use crate::static_analysis::{StaticRange, rule_counts};
-use asmotion_ir::{Binder, IntegerInterval, Local, Origin, Rule, Term};
+use asmotion_ir::{Binder, IntegerInterval, Origin, Rule, Term};
 use asmotion_machine::back_end::MAX_BINDINGS;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder, Type};
-
-/// A variable, its range, and the place of the range.
-pub(crate) type BoundRange = (Local, StaticRange, Origin);
-
-/// The way in which the bindings of a loop are counted against the limit.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Counting {
-    /// All before the loop, which runs to its end; leaves for the detour if the limit could be
-    /// exceeded.
-    Together,
-    /// Like `Together`, but the limit has already been checked.
-    Checked,
-    /// One by one, in a rule; exceeding the limit is a fault.
-    EachInRule,
-    /// Not at all: the bindings of a direct rule are counted at compile time.
-    Bounded,
-    /// One by one, in a term; exceeding the limit is left to the detour.
-    EachInTerm,
-    /// One by one, in a rule, those that satisfy the equation that an index answers.
-    Satisfying,
-}
 
 impl Emitter<'_> {
     pub fn forall(&mut self, rule: &Rule, binders: &[Binder], guard: Option<&Term>, body: &Rule) {
@@ -350,11 +330,4 @@ impl Emitter<'_> {
         let sum = self.builder.ins().ireduce(I32, sum);
         self.set_bindings(sum);
     }
-}
-
-/// Returns the number of bindings made by loops over these variables.
-pub(crate) fn total(spans: &[BoundRange]) -> u64 {
-    spans.iter().rev().fold(0u64, |inner, (_, span, _)| {
-        span.count().saturating_mul(inner.saturating_add(1))
-    })
 }

@@ -1,8 +1,8 @@
 //! Guards of ranges, of which the machine has an index for some.
 
+use crate::bound_range::{BoundRange, total};
 use crate::emit::{Emitter, UpdateMode};
 use crate::limits::MIN_INDEXED;
-use crate::range::{BoundRange, total};
 use crate::static_analysis::counts;
 use asmotion_ir::{Binder, IndexedGuard, Program, Term};
 use cranelift_codegen::ir::Block;

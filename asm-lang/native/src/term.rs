@@ -1,6 +1,6 @@
 //! Generates code for terms whose values are integers or atoms.
 
-use crate::agents::AtomRange;
+use crate::atoms::AtomRange;
 use crate::emit::{AtomCode, Emitter, KnownValue, NativeInt};
 use crate::static_analysis::counts;
 use asmotion_ir::{Arithmetic, IntegerInterval, Term, TermNode, ValueKind};

@@ -1,7 +1,7 @@
 //! Generates code for Boolean terms, mostly as branches.
 
+use crate::bound_range::Counting;
 use crate::emit::{Emitter, KnownValue, Ssa};
-use crate::range::Counting;
 use crate::static_analysis::counts;
 use asmotion_ir::{Binder, Comparison, Connective, Quantifier, Term, TermNode, ValueKind};
 use asmotion_value::{Value, layout};
