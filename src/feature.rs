@@ -191,5 +191,11 @@ mod tests {
         ] {
             assert!(said.contains(way), "{said}");
         }
+        let said = LeftOut::new::<Symbolic>().to_string();
+        assert!(said.starts_with("the symbolic engine of `verify` is not in this build"));
+        assert!(
+            said.contains("cargo install --path . --features symbolic`"),
+            "{said}"
+        );
     }
 }

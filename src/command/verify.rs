@@ -24,7 +24,10 @@ use crate::build::Build;
 use crate::exit::Exit;
 use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
-use asmotion_verify::{Progress, SystemSpecification, Verdict, Verification, verify_system};
+use asmotion_verify::{
+    KeptExploration, Progress, SystemSpecification, Verdict, Verification, verify_again,
+    verify_system,
+};
 use clap::Args;
 use composite::CompositeOptions;
 use engine::EngineOption;
@@ -238,7 +241,7 @@ impl Verify {
         system: SystemSpecification,
         terminal: &mut TerminalOutput,
     ) -> Result<Exit, Exit> {
-        let (verification, time) = self.verification(system, terminal)?;
+        let (verification, time) = self.verification(system, None, terminal)?;
         Ok(self.present(path, &verification, time, terminal))
     }
 
@@ -246,6 +249,7 @@ impl Verify {
     fn verification(
         &self,
         mut system: SystemSpecification,
+        kept: Option<&mut KeptExploration>,
         terminal: &mut TerminalOutput,
     ) -> Result<(Verification, Duration), Exit> {
         let options = self.options(&mut system.machines, terminal)?;
@@ -255,7 +259,11 @@ impl Verify {
             let seconds = exploration.elapsed().as_secs_f64();
             !interrupt::has_occurred() && self.time.is_none_or(|limit| seconds < limit)
         };
-        match verify_system(system, &options, &mut proceed) {
+        let verified = match kept {
+            Some(kept) => verify_again(system, &options, kept, &mut proceed),
+            None => verify_system(system, &options, &mut proceed),
+        };
+        match verified {
             Ok(verification) => Ok((verification, exploration.elapsed())),
             Err(refusal) => {
                 terminal.report(&refusal.report, &refusal.specification.sources);

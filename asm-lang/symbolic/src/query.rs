@@ -207,6 +207,18 @@ impl SymbolicModel {
         self.store.without(&reached.nodes, &moving).map(NodeSet)
     }
 
+    /// Counts the states in which runs end for some inputs, because no step leads on. `None` if there are more than 2^64 - 1. All
+    /// states must be reached.
+    ///
+    /// # Errors
+    /// The memory is full.
+    pub fn ends(&self, reached: &Reached) -> Result<Option<u64>, SymbolicError> {
+        let leaving = self.only_nodes(&self.before(&reached.nodes)?)?;
+        let ends = self.store.without(&reached.nodes, &leaving)?;
+        let count = self.state_count(&self.states_of(&ends)?);
+        Ok(count.and_then(|it| u64::try_from(it).ok()))
+    }
+
     /// Returns for each counted rule whether a step from a reached node runs it; other counters have no entry.
     ///
     /// # Errors

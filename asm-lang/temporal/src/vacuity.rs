@@ -58,10 +58,33 @@ pub fn vacuity_ltl(
     vacuity(formula, |it| holds_ltl(graph, atoms, it, fairness))
 }
 
-fn vacuity<F: Formula>(
+/// Returns what does not matter for a CTL formula, by another procedure that decides whether a formula holds, such as one over sets
+/// of states. See [`vacuity_ctl`].
+///
+/// # Errors
+/// The errors of the procedure.
+pub fn vacuity_ctl_by<E>(
+    formula: &Ctl,
+    holds: impl Fn(&Ctl) -> Result<bool, E>,
+) -> Result<Vacuity, E> {
+    vacuity(formula, holds)
+}
+
+/// Returns what does not matter for an LTL formula, by another procedure. See [`vacuity_ctl_by`].
+///
+/// # Errors
+/// The errors of the procedure.
+pub fn vacuity_ltl_by<E>(
+    formula: &Ltl,
+    holds: impl Fn(&Ltl) -> Result<bool, E>,
+) -> Result<Vacuity, E> {
+    vacuity(formula, holds)
+}
+
+fn vacuity<F: Formula, E>(
     formula: &F,
-    holds: impl Fn(&F) -> Result<bool, TemporalError>,
-) -> Result<Vacuity, TemporalError> {
+    holds: impl Fn(&F) -> Result<bool, E>,
+) -> Result<Vacuity, E> {
     let mut found = Vacuity::default();
     if !holds(formula)? {
         return Ok(found);

@@ -2,9 +2,10 @@
 //! updates without effect, and inputs that nothing reads.
 
 use crate::decisions::Decisions;
-use crate::explore::Exploration;
+use crate::explore::{Exploration, Truths};
 use crate::guards::{on_one_line, rule_with};
 use crate::inputs::elements;
+use crate::preparation::Prepared;
 use crate::system::VerifiedMachine;
 use crate::transition::TransitionSystem;
 use asmotion_diagnostics::Span;
@@ -43,6 +44,8 @@ pub enum AdviceKind {
     TrivialUpdate,
     /// An input that no step and no property reads.
     UnreadInput,
+    /// A property about states of which none can be reached.
+    UnreachedCondition,
 }
 
 /// Returns the advice for a complete exploration, sorted by machine and place. The second value is `false` if there were too many
@@ -51,8 +54,9 @@ pub(crate) fn advice<S: TransitionSystem>(
     system: &S,
     exploration: &Exploration,
     machines: &[VerifiedMachine],
+    properties: &Prepared,
 ) -> (Vec<SpecificationAdvice>, bool) {
-    let mut all = Vec::new();
+    let mut all = properties_about_nothing(properties, exploration);
     for (index, (known, machine)) in machines.iter().zip(system.machines()).enumerate() {
         let adviser = MachineAdviser {
             index,
@@ -79,6 +83,34 @@ pub(crate) fn advice<S: TransitionSystem>(
     all.sort();
     all.dedup();
     (all, steps.is_some())
+}
+
+/// Properties of a file that are implications whose condition is true in no reachable state, whether they hold or not.
+fn properties_about_nothing(
+    prepared: &Prepared,
+    exploration: &Exploration,
+) -> Vec<SpecificationAdvice> {
+    let mut all = Vec::new();
+    for property in &prepared.properties {
+        for condition in &property.antecedents {
+            let truths = exploration.truths.get(*condition);
+            let is_unreached = truths.is_some_and(Truths::is_empty);
+            if let (true, Some(place), Some(text)) =
+                (is_unreached, property.place, prepared.texts.get(*condition))
+            {
+                all.push(SpecificationAdvice {
+                    machine: property.machine,
+                    place,
+                    kind: AdviceKind::UnreachedCondition,
+                    text: format!(
+                        "`{}` is about no reachable state: `{text}` is never true",
+                        property.name.as_ref().unwrap_or(&property.text)
+                    ),
+                });
+            }
+        }
+    }
+    all
 }
 
 /// The values that the locations of functions have, with the machine.

@@ -345,6 +345,12 @@ impl Exploration {
         from..to.unwrap_or_else(|| self.nodes())
     }
 
+    /// Returns the nodes of the state that a node belongs to.
+    pub fn nodes_beside(&self, node: u32) -> std::ops::Range<u32> {
+        let state = self.state_of.get(node as usize);
+        self.nodes_of(state.unwrap_or(node))
+    }
+
     /// Returns the shortest path from an initial node to a node, both included.
     pub fn path(&self, node: u32) -> Vec<u32> {
         let mut path = vec![node];
@@ -413,6 +419,18 @@ impl Exploration {
         } else if self.stuck.last() == Some(&state) {
             self.stuck.pop();
         }
+    }
+
+    /// Counts the states in which runs end for some inputs, because no step leads on. Transitions must be kept.
+    pub fn ends(&self) -> u64 {
+        let mut ends = 0;
+        let mut node = 0;
+        while node < self.nodes() {
+            let mut beside = self.nodes_beside(node);
+            node = beside.end;
+            ends += u64::from(beside.any(|it| self.successors(it).next().is_none()));
+        }
+        ends
     }
 
     /// Returns the states from which nothing but the environment ever changes, in ascending order.

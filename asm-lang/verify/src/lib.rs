@@ -44,6 +44,7 @@ mod formula;
 mod grounded;
 mod growth;
 mod guards;
+mod input_flow;
 mod inputs;
 mod layers;
 mod logic;
@@ -56,6 +57,8 @@ mod post;
 mod preparation;
 mod property;
 mod reads;
+mod regions;
+mod reuse;
 mod simplest;
 mod spill;
 mod store;
@@ -81,9 +84,11 @@ pub use mail::{ContentValues, MessageModel};
 pub use mutation::{Mutant, mutants};
 pub use options::{Engine, FairName, InputValues, Options, Storage};
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
+pub use regions::{Representative, RepresentedInput};
+pub use reuse::KeptExploration;
 pub use spill::{SpillFile, SpillSpace};
 pub use system::{
     ConnectedLocation, InputConnection, MachineSchedule, MessageLink, SystemSpecification,
     VerifiedMachine,
 };
-pub use verify::{Refusal, Verification, verify, verify_system};
+pub use verify::{Refusal, Verification, verify, verify_again, verify_system};

@@ -32,6 +32,8 @@ pub(crate) struct Found {
     pub states: u64,
     pub transitions: u64,
     pub excluded: u64,
+    /// States in which runs end for some inputs.
+    pub ends: u64,
     pub depth: u32,
     /// Memory for diagrams, in bytes.
     pub memory: u64,
@@ -123,12 +125,19 @@ impl Symbolic<'_> {
             Err(SymbolicError::Memory) => None,
             Err(error) => return Err(self.explain(error)),
         };
+        let has_paths = self.properties.needs_graph() && incomplete.is_none();
+        let ends = match has_paths.then(|| model.ends(reached)) {
+            Some(Ok(count)) => count.unwrap_or(u64::MAX),
+            None | Some(Err(SymbolicError::Memory)) => 0,
+            Some(Err(error)) => return Err(self.explain(error)),
+        };
         let count = |count: Option<Option<u64>>| count.flatten().unwrap_or(u64::MAX);
         Ok(Found {
             properties,
             states: count(counts.as_ref().map(|it| it.states)),
             transitions: count(counts.as_ref().map(|it| it.transitions)),
             excluded: counts.and_then(|it| it.excluded).unwrap_or(0),
+            ends,
             depth: (reached.rings.len() as u32).saturating_sub(1),
             memory: model.memory(),
             incomplete,
@@ -143,6 +152,7 @@ impl Symbolic<'_> {
             states: 1,
             transitions: 1,
             excluded: 0,
+            ends: 0,
             depth: 0,
             memory: 0,
             incomplete: Some(reason),
@@ -173,6 +183,7 @@ impl Symbolic<'_> {
                     location: name.clone(),
                     function: name,
                     at: specification.span(origin),
+                    needed: None,
                 };
                 return report_of(finding.diagnostic());
             }

@@ -2,10 +2,13 @@
 
 use crate::inputs::InputRanges;
 use crate::mail::MessagePlan;
-use crate::system::{InputSource, InputSources, MachineSchedule};
-use asmotion_lang::Value;
+use crate::preparation::report_of;
+use crate::regions::{RepresentedInput, represent};
+use crate::system::{InputSource, InputSources, MachineSchedule, VerifiedMachine};
+use asmotion_diagnostics::Finding;
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::simulate::Script;
+use asmotion_lang::{Machine, Report, Value};
 
 /// What does not change during an exploration.
 #[derive(Debug, Default)]
@@ -31,6 +34,36 @@ impl SystemPlan {
             && self.changes.is_none()
             && self.script.is_none()
             && !self.messages.is_used()
+    }
+
+    /// Gives ranges to the inputs without a finite domain that are only compared with few values.
+    ///
+    /// # Errors
+    /// An input needs values that cannot be enumerated: the index of the machine, and a report.
+    pub fn represent_inputs(
+        &mut self,
+        known: &[VerifiedMachine],
+        machines: &[Machine],
+    ) -> Result<Vec<RepresentedInput>, (usize, Report)> {
+        let mut all = Vec::new();
+        if self.script.is_some() {
+            // the script has the values
+            return Ok(all);
+        }
+        let pairs = known.iter().zip(machines).zip(&mut self.ranges);
+        for (index, ((known, machine), ranges)) in pairs.enumerate() {
+            let sources = self.sources.get(index);
+            let provided = sources.into_iter().flat_map(|it| it.keys().copied());
+            let represented = represent(
+                index,
+                machine,
+                &known.specification,
+                &provided.collect(),
+                ranges,
+            );
+            all.extend(represented.map_err(|it| (index, report_of(it.diagnostic())))?);
+        }
+        Ok(all)
     }
 
     /// Returns the machines that the schedule selects from.

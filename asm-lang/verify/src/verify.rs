@@ -23,6 +23,8 @@ use crate::options::Engine;
 use crate::options::{InputValues, Options};
 use crate::preparation::{Prepared, prepare, report_of};
 use crate::property::CheckedProperty;
+use crate::regions::RepresentedInput;
+use crate::reuse::{self, KeptExploration};
 use crate::store::{StateStorage, expected_missed};
 use crate::system::{SystemSpecification, VerifiedMachine};
 use crate::system_plan::SystemPlan;
@@ -47,6 +49,11 @@ pub struct Verification {
     pub excluded: u64,
     /// Texts of the assumptions.
     pub assumptions: Vec<String>,
+    /// Inputs without a finite domain, of which a few values stand for all.
+    pub represented: Vec<RepresentedInput>,
+    /// Number of states in which runs end for some inputs, because every step fails or the script has ended. Temporal properties
+    /// consider runs that stay in them for ever. 0 if no property is about paths.
+    pub ends: u64,
     /// Greatest number of steps on a shortest path from an initial state.
     pub depth: u32,
     /// The reason for which not all states were explored.
@@ -65,6 +72,8 @@ pub struct Verification {
     pub expected_missed: Option<f64>,
     /// `true` if the steps were executed in grounded form.
     pub is_grounded: bool,
+    /// `true` if the states are those of the verification before, of which only properties differ.
+    pub is_reused: bool,
     /// Memory in use for states and transitions at the end of the exploration, in bytes.
     pub memory: u64,
     /// Advice about the specifications, if it was requested and all states were explored.
@@ -100,8 +109,31 @@ pub fn verify(
 /// # Errors
 /// As [`verify`], or the machines do not fit together.
 pub fn verify_system(
+    system: SystemSpecification,
+    options: &Options,
+    proceed: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Verification, Refusal> {
+    verified(system, options, None, proceed)
+}
+
+/// Verifies machines as [`verify_system`] does, one version after another. If only properties differ from the last version, its
+/// states are not explored again. The symbolic engine keeps nothing.
+///
+/// # Errors
+/// As [`verify_system`].
+pub fn verify_again(
+    system: SystemSpecification,
+    options: &Options,
+    kept: &mut KeptExploration,
+    proceed: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Verification, Refusal> {
+    verified(system, options, Some(kept), proceed)
+}
+
+fn verified(
     mut system: SystemSpecification,
     options: &Options,
+    kept: Option<&mut KeptExploration>,
     proceed: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Verification, Refusal> {
     let prepared = match PreparedSystem::of(&mut system, options) {
@@ -114,7 +146,9 @@ pub fn verify_system(
         plan,
         machines,
         assumptions,
+        represented,
     } = prepared;
+    let kept = kept.map(|kept| (reuse::basis(&machines, &plan, options, &assumptions), kept));
     let exploring = Exploring {
         known: &system.machines,
         properties: &properties,
@@ -144,14 +178,15 @@ pub fn verify_system(
         }
         ([machine], Some(ranges)) if is_single => {
             let machine = machine.clone();
-            exploring.run(SingleMachine { machine, ranges }, proceed)
+            exploring.run(SingleMachine { machine, ranges }, kept, proceed)
         }
-        _ => exploring.run(MachineSystem::new(&plan, machines), proceed),
+        _ => exploring.run(MachineSystem::new(&plan, machines), kept, proceed),
     };
     match explored {
         Ok(explored) => Ok(Verification {
             machines: system.machines,
             assumptions,
+            represented,
             ..explored
         }),
         Err((machine, report)) => Err(refusal(system.machines, machine, report)),
@@ -165,6 +200,7 @@ struct PreparedSystem {
     machines: Vec<Machine>,
     /// Texts of the assumptions.
     assumptions: Vec<String>,
+    represented: Vec<RepresentedInput>,
     fair: FairMoves,
 }
 
@@ -219,6 +255,7 @@ impl PreparedSystem {
                 assumptions.push(restriction(machine, input));
             }
         }
+        let represented = plan.represent_inputs(&system.machines, &machines)?;
         if let Some(changes) = plan.changes {
             let inputs = if changes == 1 {
                 "input changes"
@@ -251,6 +288,7 @@ impl PreparedSystem {
             plan,
             machines,
             assumptions,
+            represented,
             fair: due.moves,
         })
     }
@@ -269,9 +307,10 @@ impl Exploring<'_> {
     fn run<S: TransitionSystem>(
         &self,
         system: S,
+        kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
-        self.run_in(&system, self.cone(), proceed)
+        self.run_in(&system, self.cone(), kept, proceed)
     }
 
     /// Explores a system and checks the properties, in their cone of influence if there is one.
@@ -279,11 +318,25 @@ impl Exploring<'_> {
         &self,
         system: &S,
         cone: Option<BTreeSet<usize>>,
+        mut kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
-        let exploration = self
-            .explore(system, cone, proceed)
-            .map_err(|error| self.explain(system, &error))?;
+        let conditions = &self.properties.conditions;
+        let reused = kept.as_mut().and_then(|(basis, kept)| {
+            kept.reused(basis, system, conditions, self.properties.needs_graph())
+        });
+        let is_reused = reused.is_some();
+        let exploration = match reused {
+            Some(exploration) => exploration,
+            None => {
+                let keeps_edges = kept.is_some() || self.properties.needs_graph();
+                if let Some((_, kept)) = &mut kept {
+                    kept.explored();
+                }
+                let explored = self.explore(system, cone, keeps_edges, proceed);
+                explored.map_err(|error| self.explain(system, &error))?
+            }
+        };
         if exploration.initial == 0 {
             return Err((0, self.nothing_assumed()));
         }
@@ -300,11 +353,11 @@ impl Exploring<'_> {
         // the cone therefore holds in all states; a run in the cone may not be one of the specification.
         let is_shown = |property: &CheckedProperty| property.verdict.run().is_some();
         if !exploration.left_out.is_empty() && properties.iter().any(is_shown) {
-            return self.run_in(system, None, proceed);
+            return self.run_in(system, None, kept, proceed);
         }
         let has_advice = self.options.advice && !exploration.stands_for_others();
         let (advice, has_advice_on_steps) = if has_advice && exploration.incomplete.is_none() {
-            advice(system, &exploration, self.known)
+            advice(system, &exploration, self.known, self.properties)
         } else {
             (Vec::new(), true)
         };
@@ -313,12 +366,14 @@ impl Exploring<'_> {
         } else {
             Vec::new()
         };
-        let (states, depth) = (exploration.state_count(), exploration.depth());
+        let has_paths = self.properties.needs_graph() && exploration.incomplete.is_none();
+        let ends = if has_paths { exploration.ends() } else { 0 };
+        let states = exploration.state_count();
         // the search for runs and locations may have read what cannot be read
         let checked = exploration.check_storage();
         checked.map_err(|error| self.explain(system, &error))?;
         let is_compact = exploration.is_compact();
-        Ok(Verification {
+        let verification = Verification {
             symmetric: exploration.symmetric.clone(),
             left_out: exploration.left_out.clone(),
             expected_missed: is_compact.then(|| expected_missed(states)),
@@ -328,14 +383,21 @@ impl Exploring<'_> {
             transitions: exploration.transitions,
             excluded: exploration.excluded,
             assumptions: Vec::new(),
-            depth,
+            represented: Vec::new(),
+            ends,
+            depth: exploration.depth(),
             incomplete: exploration.incomplete,
             growing,
             is_grounded: exploration.words.is_some(),
+            is_reused,
             memory: exploration.memory(),
             advice,
             has_advice_on_steps,
-        })
+        };
+        if let Some((basis, kept)) = kept {
+            kept.keep(basis, exploration);
+        }
+        Ok(verification)
     }
 
     /// Returns the conditions of the selected properties, if these are about single states and locations may be left out. The general
@@ -362,13 +424,14 @@ impl Exploring<'_> {
         &self,
         system: &S,
         cone: Option<BTreeSet<usize>>,
+        keeps_edges: bool,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
         let conditions = &self.properties.conditions;
         let mut options = ExplorationOptions {
             cone,
             limits: self.options.limits,
-            keeps_edges: self.properties.needs_graph(),
+            keeps_edges,
             threads: self.options.threads.max(1),
             storage: StateStorage::of(&self.options.storage),
             symmetry: self.options.symmetry,
@@ -420,6 +483,8 @@ impl Exploring<'_> {
             transitions: found.transitions,
             excluded: found.excluded,
             assumptions: Vec::new(),
+            represented: Vec::new(),
+            ends: found.ends,
             depth: found.depth,
             incomplete: found.incomplete,
             growing: Vec::new(),
@@ -429,6 +494,7 @@ impl Exploring<'_> {
             advice: Vec::new(),
             has_advice_on_steps: false,
             is_grounded: false,
+            is_reused: false,
             memory: found.memory,
         })
     }

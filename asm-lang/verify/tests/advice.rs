@@ -57,6 +57,35 @@ fn advice_names_what_never_happens() {
 }
 
 #[test]
+fn advice_names_properties_about_nothing_that_is_reached() {
+    let text = ODD.replace(
+        "  main rule",
+        "  CTLSPEC recovers: ag(mode = BROKEN implies af(mode = IDLE))
+  CTLSPEC starts: ag(mode = IDLE implies ex(mode = BUSY))
+  invariant counts over mode, count: mode = BROKEN and count = 0 implies mode = IDLE
+  main rule",
+    );
+    let text = text.replace(
+        "import StandardLibrary",
+        "import StandardLibrary\nimport CTLLibrary",
+    );
+    let options = Options {
+        advice: true,
+        ..Options::default()
+    };
+    let verification = verified(&text, &options);
+    let advice = verification.advice.iter();
+    let advice = advice.filter(|it| it.kind == AdviceKind::UnreachedCondition);
+    assert_eq!(
+        advice.map(|it| &*it.text).collect::<Vec<_>>(),
+        [
+            "`recovers` is about no reachable state: `mode = BROKEN` is never true",
+            "`counts` is about no reachable state: `mode = BROKEN and count = 0` is never true",
+        ]
+    );
+}
+
+#[test]
 fn mutants_have_one_change_each() {
     let specification = open(ODD);
     let all = mutants(&specification);

@@ -71,6 +71,25 @@ fn a_property_with_an_unknown_name_is_refused() {
 }
 
 #[test]
+fn wrong_properties_are_explained() {
+    for (name, text) in [
+        ("property_unknown_name", "ag(leevl = 0)"),
+        ("property_unknown_literal", "ag(level = HIGH)"),
+        ("property_unknown_operator", "agg(isOn)"),
+        ("property_not_a_truth_value", "level + 1"),
+        ("property_ill_typed", "ag(isOn implies level)"),
+        ("property_incomplete", "ag("),
+        ("property_of_two_logics", "not ag(f(isOn))"),
+    ] {
+        let options = Options {
+            properties: vec![text.to_owned()],
+            ..Options::default()
+        };
+        snapshot(name, LAMP, &options);
+    }
+}
+
+#[test]
 fn formulas_that_are_too_large_are_refused() {
     let property = "exN(isOn, 4000000000n)".to_owned();
     let options = Options {

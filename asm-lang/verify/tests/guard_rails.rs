@@ -82,3 +82,43 @@ fn assumptions_that_cut_the_graph_are_counted() {
     assert!(verification.excluded > 0);
     assert_eq!(verification.assumptions, ["phase != OPEN"]);
 }
+
+#[test]
+fn states_without_a_successor_are_counted_if_a_property_is_about_paths() {
+    let text = "asm fragile
+import StandardLibrary
+import CTLLibrary
+signature:
+  domain Load subsetof Integer
+  monitored heavy: Boolean
+  controlled load: Load
+  controlled isBroken: Boolean
+definitions:
+  domain Load = {0:2}
+  CTLSPEC ends: af(load = 2)
+  main rule r_Main =
+    if heavy then load := load + 1 else if load = 2 then load := load + 1 endif endif
+default init s0:
+  function load = 0
+  function isBroken = false
+";
+    // in the last state every step fails, and the only run there stays in it
+    let verification = verified(text, &Options::default());
+    assert_eq!((verification.states, verification.ends), (3, 1));
+    let invariants = text.replace("CTLSPEC ends: af(load = 2)", "CTLSPEC ends: ag(load < 3)");
+    assert_eq!(verified(&invariants, &Options::default()).ends, 0);
+    let continues = text.replace("load := load + 1 else if", "load := 1 else if");
+    assert_eq!(verified(&continues, &Options::default()).ends, 0);
+}
+
+#[test]
+fn the_symbolic_engine_names_parts_that_do_not_matter() {
+    let options = Options {
+        engine: asmotion_verify::Engine::Symbolic,
+        ..Options::default()
+    };
+    let verification = verified(GATE, &options);
+    let notes = notes(&verification, "loose");
+    let irrelevant = |note: &Note| matches!(note, Note::Irrelevant(texts) if texts.contains(&"request".to_owned()));
+    assert!(notes.iter().any(irrelevant), "{notes:?}");
+}

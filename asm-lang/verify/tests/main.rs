@@ -9,6 +9,7 @@
 mod advice;
 mod bad_input;
 mod bad_systems;
+mod compared_inputs;
 mod cone;
 mod counts;
 mod environments;
@@ -18,6 +19,7 @@ mod guard_rails;
 mod models;
 mod naive;
 mod naive_systems;
+mod reuse;
 mod runs;
 mod simplest;
 mod specs;
@@ -41,14 +43,7 @@ fn open(text: &str) -> Specification {
 fn verified(text: &str, options: &Options) -> Verification {
     match verify(open(text), options, &mut |_| true) {
         Ok(verification) => verification,
-        Err(refusal) => {
-            let messages = refusal
-                .report
-                .diagnostics
-                .iter()
-                .map(|it| it.message.clone());
-            panic!("{:?}", messages.collect::<Vec<String>>())
-        }
+        Err(refusal) => panic!("{}", refused(&refusal)),
     }
 }
 

@@ -32,16 +32,19 @@ fn lengths(verification: &Verification) -> Vec<Option<usize>> {
     runs.collect()
 }
 
-/// Remarks other than those that only the explicit engine makes.
+/// Remarks on which the engines agree.
 fn notes(verification: &Verification) -> Vec<String> {
     let properties = verification.properties.iter();
     let notes = properties.flat_map(|property| {
         property.notes.iter().map(move |note| match note {
-            Note::Irrelevant(_) => String::new(),
             Note::Also(places) if property.kind == PropertyKind::RulesRun => places.join(", "),
             // which of several faults of a step comes first differs
             Note::Also(_) => String::new(),
-            Note::Undefined(_) | Note::Fails(_) | Note::Unmet(_) | Note::Unfair { .. } => {
+            Note::Undefined(_)
+            | Note::Fails(_)
+            | Note::Unmet(_)
+            | Note::Irrelevant(_)
+            | Note::Unfair { .. } => {
                 format!("{} {note:?}", property.text)
             }
         })
@@ -61,7 +64,7 @@ fn agree(text: &str, options: &Options) -> (Verification, Verification) {
 
 fn compare(explicit: &Verification, symbolic: &Verification, text: &str) {
     assert_eq!(verdicts(symbolic), verdicts(explicit), "{text}");
-    let numbers = |it: &Verification| (it.states, it.transitions, it.depth, it.excluded);
+    let numbers = |it: &Verification| (it.states, it.transitions, it.depth, it.excluded, it.ends);
     assert_eq!(numbers(symbolic), numbers(explicit), "{text}");
     assert_eq!(notes(symbolic), notes(explicit), "{text}");
 }

@@ -195,7 +195,7 @@ impl Verify {
             return Exit::Ok;
         }
         let system = SystemSpecification::of(specification);
-        let (mut verification, time) = match self.verification(system, terminal) {
+        let (mut verification, time) = match self.verification(system, None, terminal) {
             Ok(found) => found,
             Err(exit) => return exit,
         };

@@ -46,6 +46,15 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
             "place": place_in(machines, advice.machine, advice.place),
         })
     });
+    let represented = verification.represented.iter().map(|it| {
+        let values = it.values.iter();
+        let values = values.map(|it| json!({ "value": it.value, "stands_for": it.stands_for }));
+        json!({
+            "machine": machine_name(machines, it.machine),
+            "function": it.function,
+            "values": values.collect::<Vec<Value>>(),
+        })
+    });
     json!({
         "type": "verification", "v": 1,
         "path": path,
@@ -54,7 +63,9 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "transitions": verification.transitions,
         "depth": verification.depth,
         "excluded": verification.excluded,
+        "ends": verification.ends,
         "assumptions": verification.assumptions,
+        "represented": represented.collect::<Vec<Value>>(),
         "advice": advice.collect::<Vec<Value>>(),
         "growing": growing.collect::<Vec<Value>>(),
         "left_out": verification.left_out,
@@ -71,6 +82,7 @@ fn advice_kind(kind: AdviceKind) -> &'static str {
         AdviceKind::UnusedValue => "unused-value",
         AdviceKind::TrivialUpdate => "trivial-update",
         AdviceKind::UnreadInput => "unread-input",
+        AdviceKind::UnreachedCondition => "unreached-condition",
     }
 }
 

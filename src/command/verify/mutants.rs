@@ -39,7 +39,7 @@ impl Verify {
             return Exit::Ok;
         };
         let mutants = mutants(&machine.specification);
-        let (verification, _) = match self.verification(system, terminal) {
+        let (verification, _) = match self.verification(system, None, terminal) {
             Ok(verified) => verified,
             Err(exit) => return exit,
         };

@@ -5,7 +5,9 @@ use super::words::{
     counted, duration, heading, incomplete, machine_name, number, place_in, qualified_verdict,
 };
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
-use asmotion_verify::{CheckedProperty, Note, PropertyKind, Verdict, Verification};
+use asmotion_verify::{
+    CheckedProperty, Note, PropertyKind, RepresentedInput, Verdict, Verification,
+};
 use std::time::Duration;
 
 /// Prints the results for a specification.
@@ -56,10 +58,19 @@ pub fn text(
     for assumption in &verification.assumptions {
         terminal.result(format_args!("  {NOTE}assumed{NOTE:#} {assumption}"));
     }
+    for input in &verification.represented {
+        show_represented(input, verification, terminal);
+    }
     if verification.excluded > 0 {
         let excluded = counted(verification.excluded, "combination");
         terminal.result(format_args!(
             "  {NOTE}note{NOTE:#} the assumptions exclude {excluded} of a state and inputs"
+        ));
+    }
+    if verification.ends > 0 {
+        let ends = counted(verification.ends, "state");
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} no step leads on from {ends}: for temporal properties, runs stay there for ever"
         ));
     }
     if let Some(reason) = verification.incomplete {
@@ -94,6 +105,33 @@ pub fn without_cone(terminal: &mut TerminalOutput) {
 pub fn without_symmetry(terminal: &mut TerminalOutput) {
     terminal.result(format_args!(
         "  {NOTE}note{NOTE:#} `--symmetry` has no effect: no domain is found whose elements are used alike, the states have no grounded form, or fairness tells elements apart"
+    ));
+}
+
+/// Number of values of an input that are shown.
+const SHOWN_VALUES: usize = 12;
+
+/// Prints the values that stand for all others of an input.
+fn show_represented(
+    input: &RepresentedInput,
+    verification: &Verification,
+    terminal: &mut TerminalOutput,
+) {
+    let machine = machine_name(&verification.machines, input.machine);
+    let machine = machine.map_or_else(String::new, |name| format!("{name}."));
+    let values = input.values.iter().take(SHOWN_VALUES);
+    let values = values.map(|it| match &it.stands_for {
+        Some(others) => format!("{} ({others})", it.value),
+        None => it.value.clone(),
+    });
+    let mut values: Vec<String> = values.collect();
+    if let Some(more) = input.values.len().checked_sub(SHOWN_VALUES + 1) {
+        values.push(format!("and {} more", number(more as u64 + 1)));
+    }
+    terminal.result(format_args!(
+        "  {NOTE}note{NOTE:#} {machine}{} is only compared, so these values stand for all: {}",
+        input.function,
+        values.join(", ")
     ));
 }
 

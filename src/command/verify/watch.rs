@@ -4,7 +4,7 @@ use super::words::{heading, verdict};
 use super::{Verify, interrupt};
 use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, NOTE, TerminalOutput};
-use asmotion_verify::{Verdict, Verification};
+use asmotion_verify::{KeptExploration, Verdict, Verification};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -19,6 +19,7 @@ impl Verify {
     /// Verifies the specification at a path again and again until Ctrl-C; returns the exit code of the last verification.
     pub(super) fn watch_file(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
         let mut before: Option<Verdicts> = None;
+        let mut kept = KeptExploration::default();
         let mut files = WatchedFiles::default();
         loop {
             files.note(Path::new(path));
@@ -27,9 +28,12 @@ impl Verify {
                     for path in paths(&system) {
                         files.note(&path);
                     }
-                    match self.verification(system, terminal) {
+                    match self.verification(system, Some(&mut kept), terminal) {
                         Ok((verification, time)) => {
                             let exit = self.present(path, &verification, time, terminal);
+                            if verification.is_reused {
+                                terminal.result("  only properties have changed: the states are those explored before");
+                            }
                             let verdicts = verdicts(&verification);
                             if let Some(before) = &before {
                                 show_changes(before, &verdicts, terminal);

@@ -12,7 +12,7 @@ use asmotion_lang::Report;
 use asmotion_symbolic::{
     NodeSet, Reached, SymbolicError, SymbolicFairness, SymbolicFormula, SymbolicModel,
 };
-use asmotion_temporal::FairPaths;
+use asmotion_temporal::{FairPaths, vacuity_ctl_by, vacuity_ltl_by};
 use std::cell::{Cell, OnceCell};
 
 /// Limit for the states of which a graph is built, to show a run.
@@ -196,11 +196,43 @@ impl<'a> SymbolicJudge<'a> {
             FairPaths::FromSome => notes.push(Note::Unfair { all: false }),
             FairPaths::FromNone => notes.push(Note::Unfair { all: true }),
         }
-        Ok(if checked.violated.is_empty() {
-            Verdict::Holds(None)
-        } else {
-            Verdict::Violated(self.run_of_paths(property)?)
-        })
+        if !checked.violated.is_empty() {
+            return Ok(Verdict::Violated(self.run_of_paths(property)?));
+        }
+        if checked.fair != FairPaths::FromNone {
+            notes.extend(self.irrelevant(&formula, &fairness));
+        }
+        Ok(Verdict::Holds(None))
+    }
+
+    /// Returns a remark on conditions whose values do not matter for a formula that holds; none if the memory or the time is not
+    /// sufficient to find them.
+    fn irrelevant(
+        &self,
+        formula: &SymbolicFormula<'_>,
+        fairness: &[SymbolicFairness],
+    ) -> Option<Note> {
+        let holds = |formula: SymbolicFormula<'_>| {
+            let checked = self
+                .model
+                .check(self.reached, &formula, fairness, self.proceed)?;
+            Ok::<bool, SymbolicError>(checked.violated.is_empty())
+        };
+        let vacuity = match formula {
+            SymbolicFormula::Ctl(formula) => {
+                vacuity_ctl_by(formula, |it| holds(SymbolicFormula::Ctl(it)))
+            }
+            SymbolicFormula::Ltl(formula) => {
+                vacuity_ltl_by(formula, |it| holds(SymbolicFormula::Ltl(it)))
+            }
+        };
+        let mut irrelevant: Vec<usize> =
+            vacuity.ok()?.irrelevant.iter().map(|it| it.atom).collect();
+        irrelevant.dedup();
+        let texts = irrelevant.iter();
+        let texts = texts.filter_map(|it| self.symbolic.properties.texts.get(*it).cloned());
+        let texts: Vec<String> = texts.collect();
+        (!texts.is_empty()).then_some(Note::Irrelevant(texts))
     }
 
     /// Returns a run that violates a temporal formula, from the graph of single states if there are not too many.
