@@ -19,6 +19,7 @@ mod guard_rails;
 mod models;
 mod naive;
 mod naive_systems;
+mod nusmv;
 mod reuse;
 mod runs;
 mod simplest;
