@@ -334,7 +334,6 @@ fn a_watched_specification_is_verified_again() {
         "CTLSPEC can_be_dark: ag(ef(level = 0 and isOn))",
     );
     std::fs::write(&path, changed).unwrap();
-    shows("only properties have changed: the states are those explored before");
     shows("changed   gone: CTLSPEC can_be_dark: ag(ef(not isOn))");
     shows("changed   new: violated, CTLSPEC can_be_dark: ag(ef(level = 0 and isOn))");
     let sent = std::process::Command::new("kill")
