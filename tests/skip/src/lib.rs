@@ -56,13 +56,6 @@ pub const BROKER: Requirement<'_> = Requirement {
     remedy: "Install the package `rabbitmq-server`, or run `./test`",
 };
 
-/// Packages of the Python Package Index, which tests install in `target/`.
-pub const PYPI: Requirement<'_> = Requirement {
-    name: "pypi",
-    tests: "the tests with packages of Python",
-    remedy: "Install `python3-venv`, and run the tests once with access to pypi.org",
-};
-
 /// NuSMV, another model checker.
 pub const NUSMV: Requirement<'_> = Requirement {
     name: "nusmv",
