@@ -18,6 +18,8 @@ mod port;
 #[cfg(feature = "amqp")]
 mod reconfigure;
 mod repl;
+#[cfg(feature = "ros")]
+mod ros;
 mod run;
 #[cfg(feature = "scdl")]
 mod scdl;
@@ -36,7 +38,7 @@ mod verify;
 
 pub use demo::BLOCKED_CORRIDOR;
 
-#[cfg(any(not(feature = "amqp"), not(feature = "scdl"), not(feature = "tui")))]
+#[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
 use crate::feature::{self, Without};
 
 /// The commands for a running system.
@@ -63,6 +65,11 @@ mod live {
     pub type Shell = Without<Amqp>;
     pub type Topic = Without<Amqp>;
 }
+
+#[cfg(feature = "ros")]
+use ros::Ros;
+#[cfg(not(feature = "ros"))]
+type Ros = Without<feature::Ros>;
 
 #[cfg(feature = "scdl")]
 use scdl::Scdl;
@@ -100,6 +107,8 @@ pub enum Command {
     Graph(graph::Graph),
     /// Converts composites from and to the XML of the Service Component Architecture (SCDL)
     Scdl(Scdl),
+    /// Shows the interfaces of ROS: messages, services and actions
+    Ros(Ros),
     /// Prints the JSON Schema of composite files, for editors
     Schema(schema::Schema),
     /// Creates a project, or a component in one
@@ -144,6 +153,7 @@ impl Command {
             Self::Expand(expand) => expand.run(build, terminal),
             Self::Graph(graph) => graph.run(build, terminal),
             Self::Scdl(scdl) => scdl.run(build, terminal),
+            Self::Ros(ros) => ros.run(build, terminal),
             Self::Schema(schema) => schema.run(terminal),
             Self::New(new) => new.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),

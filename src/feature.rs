@@ -24,6 +24,9 @@ pub struct Amqp;
 /// Services over HTTP: gateways of composites, and wires to other systems.
 pub struct Http;
 
+/// Interfaces of ROS: `ros types`.
+pub struct Ros;
+
 /// Composites of the Service Component Architecture, and RTT's property files.
 pub struct Scdl;
 
@@ -41,6 +44,11 @@ impl Feature for Amqp {
 impl Feature for Http {
     const NAME: &'static str = "http";
     const BRINGS: &'static str = "the gateway and client for services over HTTP";
+}
+
+impl Feature for Ros {
+    const NAME: &'static str = "ros";
+    const BRINGS: &'static str = "the catalogue of interfaces of ROS";
 }
 
 impl Feature for Scdl {

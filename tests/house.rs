@@ -31,7 +31,7 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-verify"],
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
-    &["asmotion-bus"],
+    &["asmotion-bus", "asmotion-ros-interface"],
     &["asmotion-amqp", "asmotion-gateway", "asmotion-port"],
     &["asmotion-component"],
     &[

@@ -38,6 +38,7 @@ mod programs_cpp;
 mod reconfigure;
 mod repl;
 mod robots;
+mod ros;
 mod routes;
 mod scenario;
 mod shell;

@@ -3,6 +3,7 @@
 pub mod cbor;
 pub mod cdr;
 pub mod json;
+pub mod ros1;
 
 use crate::error::DatumError;
 use crate::schema::Schema;

@@ -43,7 +43,7 @@ mod ser;
 mod value;
 mod word;
 
-pub use codec::{Codec, cbor, cdr, json};
+pub use codec::{Codec, cbor, cdr, json, ros1};
 pub use described::{Described, field};
 pub use error::{DatumError, DatumProblem};
 pub use message::Message;

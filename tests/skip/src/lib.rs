@@ -49,6 +49,13 @@ pub const TYPESCRIPT: Requirement<'_> = Requirement {
     remedy: "Install `tsc` with `npm install --global typescript@5`, or run `./test`",
 };
 
+/// The messages of ROS 1 in Python.
+pub const GENPY: Requirement<'_> = Requirement {
+    name: "genpy",
+    tests: "the comparisons with ROS 1",
+    remedy: "Install Debian's package `python3-genpy`, or run `./test`",
+};
+
 /// RabbitMQ.
 pub const BROKER: Requirement<'_> = Requirement {
     name: "broker",

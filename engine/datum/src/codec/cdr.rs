@@ -12,8 +12,26 @@ use crate::error::{DatumError, DatumProblem};
 use crate::message::Message;
 use crate::schema::{Schema, Shape};
 
-pub(super) use read::read_whole;
-pub(super) use write::write_whole;
+pub(super) use read::{read_ros1, read_whole};
+pub(super) use write::{write_ros1, write_whole};
+
+/// The encodings that follow a schema, with the same order of the same numbers.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    /// Aligned, after a header; strings are terminated, a message without fields is one byte.
+    Cdr,
+    /// Neither.
+    Ros1,
+}
+
+impl Format {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Cdr => "CDR",
+            Self::Ros1 => "the encoding of ROS 1",
+        }
+    }
+}
 
 /// The encapsulation header: plain CDR, little-endian, no options.
 const LITTLE: [u8; 4] = [0, 1, 0, 0];
@@ -63,7 +81,7 @@ fn within(schema: &Schema, depth: usize) -> Result<(), DatumError> {
         | Shape::F32
         | Shape::F64
         | Shape::Text => Ok(()),
-        Shape::Any | Shape::Array(_, 0) => Err(shapeless(schema)),
+        Shape::Any | Shape::Array(_, 0) => Err(shapeless(Format::Cdr, schema)),
         Shape::Option(element) | Shape::List(element) | Shape::Array(element, _) => {
             within(element, depth).map_err(|error| error.within("*"))
         }
@@ -79,10 +97,10 @@ fn deeper(depth: usize) -> Result<usize, DatumError> {
         .ok_or_else(|| DatumError::new(DatumProblem::TooDeep(DEPTH)))
 }
 
-/// The error for a schema that CDR cannot encode.
-fn shapeless(schema: &Schema) -> DatumError {
+/// The error for a schema that the format cannot encode.
+fn shapeless(format: Format, schema: &Schema) -> DatumError {
     DatumError::new(DatumProblem::Uncarried {
-        codec: "CDR",
+        codec: format.name(),
         shape: match (&schema.shape, schema.name.is_empty()) {
             (Shape::Any, true) => "a type known only at run time".to_owned(),
             (Shape::Any, false) => format!("`{schema}`, whose fields are unknown"),
@@ -91,9 +109,9 @@ fn shapeless(schema: &Schema) -> DatumError {
     })
 }
 
-fn malformed(reason: impl ToString) -> DatumError {
+fn malformed(format: Format, reason: impl ToString) -> DatumError {
     DatumError::new(DatumProblem::Malformed {
-        codec: "CDR",
+        codec: format.name(),
         reason: reason.to_string(),
     })
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{DEPTH, LITTLE, deeper, shapeless};
+use super::{DEPTH, Format, LITTLE, deeper, shapeless};
 use crate::codec::special_float;
 use crate::error::{DatumError, DatumProblem};
 use crate::schema::{OutlineKey, Schema, Shape};
@@ -10,19 +10,35 @@ use crate::value::{Datum, FieldName};
 
 /// Encodes a datum, with the encapsulation header.
 pub(crate) fn write_whole(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
-    let mut writer = CdrWriter(LITTLE.to_vec());
+    let mut writer = SchemaWriter {
+        bytes: LITTLE.to_vec(),
+        format: Format::Cdr,
+    };
     writer.one(datum, schema, DEPTH)?;
-    Ok(writer.0)
+    Ok(writer.bytes)
 }
 
-/// The bytes written so far, including the header.
-struct CdrWriter(Vec<u8>);
+/// Encodes a datum as a message of ROS 1, without the length that precedes it on a connection.
+pub(crate) fn write_ros1(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
+    let mut writer = SchemaWriter {
+        bytes: Vec::new(),
+        format: Format::Ros1,
+    };
+    writer.one(datum, schema, DEPTH)?;
+    Ok(writer.bytes)
+}
 
-impl CdrWriter {
+struct SchemaWriter {
+    /// The bytes written so far, including the header of CDR.
+    bytes: Vec<u8>,
+    format: Format,
+}
+
+impl SchemaWriter {
     fn one(&mut self, datum: &Datum, schema: &Schema, depth: usize) -> Result<(), DatumError> {
         let depth = deeper(depth)?;
         match &schema.shape {
-            Shape::Any => return Err(shapeless(schema)),
+            Shape::Any => return Err(shapeless(self.format, schema)),
             Shape::Bool => {
                 let value = datum.as_bool().ok_or_else(|| misfit(datum, schema))?;
                 self.write_aligned([u8::from(value)]);
@@ -51,7 +67,7 @@ impl CdrWriter {
                 self.count(count)?;
                 self.many(datum, element, count, depth)?;
             }
-            Shape::Array(_, 0) => return Err(shapeless(schema)),
+            Shape::Array(_, 0) => return Err(shapeless(self.format, schema)),
             Shape::Array(element, count) => {
                 if elements(datum) != Some(*count) {
                     return Err(misfit(datum, schema));
@@ -71,12 +87,16 @@ impl CdrWriter {
     /// Writes the bytes of a number, aligned to its size.
     fn write_aligned<const N: usize>(&mut self, bytes: [u8; N]) {
         self.align(N);
-        self.0.extend(bytes);
+        self.bytes.extend(bytes);
     }
 
     fn align(&mut self, size: usize) {
-        let body = self.0.len() - LITTLE.len();
-        self.0.resize(LITTLE.len() + body.next_multiple_of(size), 0);
+        if self.format == Format::Ros1 {
+            return;
+        }
+        let body = self.bytes.len() - LITTLE.len();
+        self.bytes
+            .resize(LITTLE.len() + body.next_multiple_of(size), 0);
     }
 
     fn count(&mut self, count: usize) -> Result<(), DatumError> {
@@ -89,11 +109,16 @@ impl CdrWriter {
         Ok(())
     }
 
-    /// Writes a string; its length includes the terminating zero.
+    /// Writes a string; in CDR, its length includes the terminating zero.
     fn text(&mut self, text: &str) -> Result<(), DatumError> {
+        if self.format == Format::Ros1 {
+            self.count(text.len())?;
+            self.bytes.extend(text.as_bytes());
+            return Ok(());
+        }
         self.count(text.len() + 1)?;
-        self.0.extend(text.as_bytes());
-        self.0.push(0);
+        self.bytes.extend(text.as_bytes());
+        self.bytes.push(0);
         Ok(())
     }
 
@@ -106,7 +131,7 @@ impl CdrWriter {
         depth: usize,
     ) -> Result<(), DatumError> {
         if let (Datum::Bytes(bytes), Shape::U8) = (run, &element.shape) {
-            self.0.extend(&**bytes);
+            self.bytes.extend(&**bytes);
             return Ok(());
         }
         if let Datum::Numbers(numbers) = run
@@ -116,7 +141,7 @@ impl CdrWriter {
             if !numbers.is_empty() {
                 self.align(numbers.size());
             }
-            self.0.extend(numbers.to_bytes());
+            self.bytes.extend(numbers.to_bytes());
             return Ok(());
         }
         (0..count).try_for_each(|index| match run.element(index) {
@@ -133,7 +158,7 @@ impl CdrWriter {
         fields: &[OutlineKey],
         depth: usize,
     ) -> Result<(), DatumError> {
-        if fields.is_empty() {
+        if fields.is_empty() && self.format == Format::Cdr {
             // ROS 2 gives a message without fields one byte, because IDL has no empty structures
             self.write_aligned([0]);
         }

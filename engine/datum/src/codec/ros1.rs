@@ -1,0 +1,27 @@
+//! The encoding of messages in ROS 1: little-endian, without alignment, after the schema.
+//!
+//! Differences from CDR: no header and no alignment, strings have no terminating zero, and a message without fields has no
+//! bytes. Fixed arrays have no length. An optional value is a sequence of at most one element, as in CDR.
+//!
+//! Source: the ROS wiki, "Technical Overview" and "msg", section *Fields*.
+
+use super::cdr::{read_ros1, write_ros1};
+use crate::error::DatumError;
+use crate::schema::Schema;
+use crate::value::Datum;
+
+/// Encodes a datum, without the length that precedes a message on a connection.
+///
+/// # Errors
+/// The datum does not fit the schema, or a part of the schema is unknown.
+pub fn encode(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
+    write_ros1(datum, schema)
+}
+
+/// Decodes a datum.
+///
+/// # Errors
+/// The bytes end early or have a rest, a text is not UTF-8, or a part of the schema is unknown.
+pub fn decode(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
+    read_ros1(bytes, schema)
+}

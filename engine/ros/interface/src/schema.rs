@@ -1,0 +1,118 @@
+//! Schemas of messages.
+
+use asmotion_datum::{OutlineKey, Schema, Shape};
+
+use crate::Distribution;
+use crate::catalogue::Catalogue;
+use crate::definition::{Count, Element, Field, Interface, Primitive, Structure};
+use crate::error::{DefinitionError, DefinitionProblem};
+use crate::name::InterfaceName;
+
+/// The type of times, in ROS 2 a message, and here also the type of `time` in ROS 1.
+const TIME: &str = "builtin_interfaces/Time";
+/// The type of durations.
+const DURATION: &str = "builtin_interfaces/Duration";
+
+impl Catalogue {
+    /// The schema of a message, whose name is the short one: `geometry_msgs/Twist`. It is that of the wire, for the codecs
+    /// `cdr` (ROS 2) and `ros1`.
+    ///
+    /// `time` and `duration` of ROS 1 are `builtin_interfaces/Time` and `Duration`, which have the same fields. Bounds of
+    /// strings and sequences are not part of a schema.
+    ///
+    /// # Errors
+    /// A definition is missing, or a message contains itself.
+    pub fn schema(&self, name: &InterfaceName) -> Result<Schema, DefinitionError> {
+        self.contained(name)?;
+        let structure = self.message(name)?;
+        self.record(name, name.short(), structure)
+    }
+
+    /// The schemas of the structures of an interface, in their order: of a message, of request and response, or of goal,
+    /// result and feedback. Those of services and actions have the names `nav_msgs/GetMap_Request` and so on.
+    ///
+    /// # Errors
+    /// A definition is missing, or a message contains itself.
+    pub fn schemas(&self, name: &InterfaceName) -> Result<Vec<Schema>, DefinitionError> {
+        self.contained(name)?;
+        let suffixes: &[&str] = match self.interface(name)? {
+            Interface::Message(_) => return Ok(vec![self.schema(name)?]),
+            Interface::Service { .. } => &["Request", "Response"],
+            Interface::Action { .. } => &["Goal", "Result", "Feedback"],
+        };
+        let structures = self.interface(name)?.structures();
+        let named = structures.into_iter().zip(suffixes);
+        named
+            .map(|(structure, suffix)| self.record(name, name.part(suffix).short(), structure))
+            .collect()
+    }
+
+    fn record(
+        &self,
+        owner: &InterfaceName,
+        name: String,
+        structure: &Structure,
+    ) -> Result<Schema, DefinitionError> {
+        let mut fields = Vec::new();
+        for field in &structure.fields {
+            let schema = self.field(owner, field)?;
+            fields.push(OutlineKey::new(field.name.clone(), "", schema));
+        }
+        Ok(Schema {
+            name: name.into(),
+            shape: Shape::Record(fields),
+        })
+    }
+
+    fn field(&self, owner: &InterfaceName, field: &Field) -> Result<Schema, DefinitionError> {
+        let element = match &field.of.element {
+            Element::Primitive(primitive) => self.primitive(*primitive),
+            Element::String(_) | Element::WideString(_) => Schema::plain(Shape::Text),
+            Element::Message(name) => {
+                let inner = self.message(name).map_err(|_| DefinitionError {
+                    interface: owner.clone(),
+                    line: None,
+                    problem: DefinitionProblem::UndefinedField(name.clone()),
+                })?;
+                self.record(name, name.short(), inner)?
+            }
+        };
+        Ok(match field.of.count {
+            Count::One => element,
+            Count::Exactly(count) => Schema::many(element, Some(count)),
+            Count::AtMost(_) | Count::Any => Schema::many(element, None),
+        })
+    }
+
+    fn primitive(&self, primitive: Primitive) -> Schema {
+        Schema::plain(match primitive {
+            Primitive::Bool => Shape::Bool,
+            Primitive::Byte => match self.distribution() {
+                Distribution::Ros1 => Shape::I8,
+                Distribution::Ros2 => Shape::U8,
+            },
+            Primitive::Int8 => Shape::I8,
+            Primitive::Char | Primitive::Uint8 => Shape::U8,
+            Primitive::Int16 => Shape::I16,
+            Primitive::Uint16 => Shape::U16,
+            Primitive::Int32 => Shape::I32,
+            Primitive::Uint32 => Shape::U32,
+            Primitive::Int64 => Shape::I64,
+            Primitive::Uint64 => Shape::U64,
+            Primitive::Float32 => Shape::F32,
+            Primitive::Float64 => Shape::F64,
+            Primitive::Time => return of_two(TIME, Shape::U32, Shape::U32),
+            Primitive::Duration => return of_two(DURATION, Shape::I32, Shape::I32),
+        })
+    }
+}
+
+/// A record of seconds and nanoseconds.
+fn of_two(name: &'static str, seconds: Shape, nanoseconds: Shape) -> Schema {
+    let field = |name, doc, shape| OutlineKey::new(name, doc, Schema::plain(shape));
+    let fields = vec![
+        field("sec", "s", seconds),
+        field("nanosec", "ns", nanoseconds),
+    ];
+    Schema::record(name, fields)
+}

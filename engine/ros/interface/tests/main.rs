@@ -1,0 +1,6 @@
+//! Definitions against independent implementations.
+
+mod definitions;
+mod genpy;
+mod hashes;
+mod writing;
