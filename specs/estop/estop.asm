@@ -21,6 +21,8 @@ definitions:
 	CTLSPEC ag((button or remote or watchdogLost) implies ax(mode = LATCHED and speedLimit = 0))
 	CTLSPEC ag(mode = LATCHED implies ax(mode != RUN))
 	CTLSPEC ag((mode = LATCHED and not reset) implies ax(mode = LATCHED))
+	CTLSPEC ag((mode = ARMED and not confirm) implies ax(mode != RUN))
+	CTLSPEC ag(mode = RUN iff speedLimit = 2)
 	CTLSPEC ag(mode != RUN implies speedLimit = 0)
 	CTLSPEC ag(ef(mode = RUN))
 

@@ -15,15 +15,59 @@ signature:
 	monitored dwellOver: Boolean
 	monitored estop: Boolean
 	monitored resetByOperator: Boolean
+	derived undisturbed: Boolean
 	out target: Wp
 	controlled wp: Wp
 	controlled mode: Mode
 
 definitions:
 	domain Wp = {0 : 3}
-	CTLSPEC ag(mode = ESTOPPED implies ax(mode = ESTOPPED or mode = READY))
+	function undisturbed = not (estop or lowBattery or pause)
+
+	// the e-stop has priority over everything, and only the operator ends it
 	CTLSPEC ag(estop implies ax(mode = ESTOPPED))
-	CTLSPEC ag((mode = PAUSED and wp = 2) implies ax(wp = 2))
+	CTLSPEC ag((mode = ESTOPPED and not estop and not resetByOperator) implies ax(mode = ESTOPPED))
+	CTLSPEC ag((mode = ESTOPPED and not estop and resetByOperator) implies ax(mode = READY))
+	// then the battery, then the pause
+	CTLSPEC ag(
+		((mode = MOVING or mode = DWELL or mode = PAUSED) and lowBattery and not estop)
+		implies ax(mode = HOMING)
+	)
+	CTLSPEC ag(
+		((mode = MOVING or mode = DWELL) and pause and not lowBattery and not estop)
+		implies ax(mode = PAUSED)
+	)
+	CTLSPEC ag((mode = PAUSED and resume and undisturbed) implies ax(mode = MOVING))
+	CTLSPEC ag((mode = PAUSED and not resume and undisturbed) implies ax(mode = PAUSED))
+	// the tour: it starts on demand, goes from waypoint to waypoint, and dwells at each
+	CTLSPEC ag((mode = READY and start and not estop) implies ax(mode = MOVING))
+	CTLSPEC ag((mode = READY and not start and not estop) implies ax(mode = READY))
+	CTLSPEC ag((mode = MOVING and reached and undisturbed) implies ax(mode = DWELL))
+	CTLSPEC ag((mode = MOVING and not reached and undisturbed) implies ax(mode = MOVING))
+	CTLSPEC ag((mode = DWELL and dwellOver and undisturbed) implies ax(mode = MOVING))
+	CTLSPEC ag((mode = DWELL and not dwellOver and undisturbed) implies ax(mode = DWELL))
+	CTLSPEC ag(
+		(mode = DWELL and wp = 0)
+		implies ax((mode = MOVING and wp = 1) or (mode != MOVING and wp = 0))
+	)
+	CTLSPEC ag(
+		(mode = DWELL and wp = 1)
+		implies ax((mode = MOVING and wp = 2) or (mode != MOVING and wp = 1))
+	)
+	CTLSPEC ag(
+		(mode = DWELL and wp = 2)
+		implies ax((mode = MOVING and wp = 3) or (mode != MOVING and wp = 2))
+	)
+	CTLSPEC ag(
+		(mode = DWELL and wp = 3)
+		implies ax((mode = MOVING and wp = 0) or (mode != MOVING and wp = 3))
+	)
+	CTLSPEC ag(mode = MOVING implies target = wp)
+	// the battery is charged before the tour goes on
+	CTLSPEC ag((mode = HOMING and reached and not estop) implies ax(mode = CHARGING))
+	CTLSPEC ag((mode = HOMING and not reached and not estop) implies ax(mode = HOMING))
+	CTLSPEC ag((mode = CHARGING and full and not estop) implies ax(mode = READY))
+	CTLSPEC ag((mode = CHARGING and not full and not estop) implies ax(mode = CHARGING))
 	CTLSPEC ag(ef(mode = MOVING))
 
 	main rule r_Main =

@@ -9,6 +9,6 @@ mod place;
 mod xml;
 
 pub use composite::{composite, property_file};
-pub use message::{cbor, cdr, json, queue};
+pub use message::{cbor, cdr, json, queue, ros_definition, ros_message};
 pub use place::{osm, osm_pbf};
 pub use xml::{cpf, scdl};

@@ -6,13 +6,14 @@
 #[allow(dead_code, reason = "shared with the contract of map formats")]
 mod fixture;
 
-use asmotion_datum::{Codec, Datum, Message, Schema};
+use asmotion_datum::{Codec, Datum, Message, Schema, ros1};
 use asmotion_messages::{
     JointStatus, LaserScan, OccupancyGrid, Odometry, Path, PoseStamped, Twist,
 };
 use asmotion_mqueue::QueueLayout;
 use asmotion_robustness::{
-    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, scdl,
+    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_definition, ros_message,
+    scdl,
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -236,6 +237,24 @@ fn json_is_read() {
 #[test]
 fn cdr_is_read() {
     holds(cdr, &encoded(Codec::Cdr), false, 2_000);
+}
+
+#[test]
+fn messages_of_ros_1_are_read() {
+    let encode = |(datum, schema): (Datum, &Schema)| ros1::encode(&datum, schema).ok();
+    let seeds: Vec<_> = samples().into_iter().filter_map(encode).collect();
+    assert!(seeds.len() > 1);
+    holds(ros_message, &seeds, false, 200);
+}
+
+#[test]
+fn definitions_of_ros_are_read() {
+    let seeds = [
+        "# a comment\nstd_msgs/Header header\nfloat64[36] covariance\nuint8 RED=1 # one\nstring NAME=a # b\n",
+        "string<=10 name \"a # b\"\nint32[<=5] few [1, 2]\n---\nwstring[] all\n---\nbool done true\n",
+    ];
+    let seeds = seeds.map(|text| text.as_bytes().to_vec());
+    holds(ros_definition, &seeds, true, 4_000);
 }
 
 #[test]
