@@ -56,7 +56,7 @@ the message `geometry_msgs/Twist` of this build has the same fields
   time stamp
   string frame_id
 MD5 sum 2176decaecbce78abc3b96ef049fabed
-the message `std_msgs/Header` of this build differs: stamp here, seq there
+the message `std_msgs/Header` of this build differs: field `stamp` here, field `seq` there
 ";
     assert_eq!(out, shown);
 }
