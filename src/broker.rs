@@ -18,7 +18,6 @@ use std::fmt;
 use std::sync::Arc;
 
 use asmotion_bus::{Bus, BusError};
-#[cfg(any(feature = "amqp", feature = "tui"))]
 use asmotion_remote::Remote;
 
 use crate::build::Build;
@@ -120,7 +119,6 @@ impl BrokerSettings {
     ///
     /// # Errors
     /// Fails if the broker is unreachable or refuses the credentials.
-    #[cfg(any(feature = "amqp", feature = "tui"))]
     pub fn watch(&self) -> (String, Result<Remote, String>) {
         match self {
             Self::Amqp(settings) => amqp::watch(settings),

@@ -21,6 +21,7 @@ mod gateway;
 mod inspection;
 pub mod mission;
 mod output_files;
+mod own_program;
 mod paths;
 mod programs;
 mod prompt;

@@ -6,8 +6,10 @@ mod end_condition;
 mod error;
 mod gateway;
 mod outcome;
+mod outside;
 mod process;
 mod proof;
+mod robots;
 mod stall;
 mod version_switch;
 
@@ -15,6 +17,7 @@ pub use self::director::{Director, Undirected};
 pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};
 pub use error::MissionError;
 pub use outcome::MissionOutcome;
+pub use outside::OutsideSystem;
 pub use process::{MissionBrokers, NamedBrokers};
 pub use stall::StalledCoordinator;
 pub use version_switch::{CompositeVersion, reconfigure_address};
@@ -23,23 +26,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asmotion_assembly::{Assembled, Standard};
+use asmotion_assembly::{Assembled, Standard, StartError};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::Programs;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
-use asmotion_plan::{Opened, Part, Plan, Terminal};
+use asmotion_plan::{Implementation, Opened, Plan};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
 use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
+
 use crate::story::{Story, Summary};
 use crate::terminal::{Colour, TerminalOutput};
 use end_condition::{EndCondition, SLICE, awaited_updates};
+use robots::RobotsOnBrokers;
 use version_switch::VersionSwitch;
 
 /// A composite and the options of its run.
@@ -167,7 +172,9 @@ impl Mission {
         mut on_event: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<MissionEnd, MissionError> {
-        let mut opened = self.open(&self.composite, &DiskLoader, self.build.programs());
+        let programs = self.build.programs();
+        let robots = RobotsOnBrokers::new(programs, self.brokers.settings(), self.notice, stop);
+        let mut opened = self.open(&self.composite, &DiskLoader, &robots);
         if let Some(plan) = opened.plan(self.profile.as_deref()) {
             let mut report = opened.report.clone();
             proof::without_verified(&mut report, plan);
@@ -191,8 +198,7 @@ impl Mission {
         director.prepare(plan).map_err(MissionError::Director)?;
         let part = self.part(plan)?;
         self.verify_before_start(plan, &part, &DiskLoader)?;
-        self.check_clock(plan, &part)?;
-        self.check_robots(plan, &part)?;
+        self.check_outside(plan)?;
         let watch = EndCondition::new(
             plan,
             &part,
@@ -204,13 +210,25 @@ impl Mission {
             catalogue: self.build.catalogue(),
             loader: &DiskLoader,
             seed: self.seed,
-            builtins: &mut |_, _| None,
+            builtins: &mut |component, plan| robots.make(component, plan),
         };
         let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
         let Assembled {
             mut system,
             mut network,
-        } = assembled.map_err(|error| MissionError::Launch(error.to_string()))?;
+        } = assembled.map_err(|error| {
+            let reason = error.to_string();
+            if let StartError::Missing { variables } = error {
+                MissionError::UnsetVariables(variables)
+            } else if let StartError::NotMade { component, .. } = error
+                && self.lacks(plan, &component)
+            {
+                let composite = self.composite.clone();
+                MissionError::NotInBuild { reason, composite }
+            } else {
+                MissionError::Launch(reason)
+            }
+        })?;
         for (component, property, value) in &self.properties {
             if plan.component(component).is_none() {
                 let known = plan.components.iter().map(|known| &known.name);
@@ -307,40 +325,17 @@ impl Mission {
         })
     }
 
-    /// Rejects virtual time if a message queue or a wire leads to a system outside, which uses the wall clock.
-    fn check_clock(&self, plan: &Plan, part: &Part) -> Result<(), MissionError> {
-        let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
-        let queue = ends.find(|it| matches!(it, Terminal::Mqueue(_)));
-        let queue = queue.map(ToString::to_string);
-        let urls = plan.wires_over_http(part).map(|(_, url)| url.shown());
-        let outside = queue.or_else(|| urls.map(str::to_owned).next());
-        match (self.clock, outside) {
-            (MissionClock::Virtual(_), Some(outside)) => Err(MissionError::Launch(format!(
-                "`{outside}` leads to another process, which uses the wall clock: add `--clock wall`"
-            ))),
-            (MissionClock::Virtual(_), None) | (MissionClock::Wall, _) => Ok(()),
-        }
-    }
-
-    /// Rejects wires to other robots without a broker, and to the robot itself.
-    fn check_robots(&self, plan: &Plan, part: &Part) -> Result<(), MissionError> {
-        let robots = self.brokers.robots(&plan.name);
-        for address in plan.robot_addresses(part) {
-            if robots.is_empty() {
-                return Err(MissionError::Launch(format!(
-                    "`{address}` is a service of another robot, which is called over a broker: add \
-                     `--bus amqp://user@host:port/vhost`, or write a profile without this wire"
-                )));
-            }
-            if robots.contains(&address.robot()) {
-                let (robot, service) = (address.robot(), address.name());
-                return Err(MissionError::Launch(format!(
-                    "`{address}` is a service of this robot, which is called `{robot}`: write `service = \"{service}\"`, \
-                     or start the robot under another name with `--robot`"
-                )));
-            }
-        }
-        Ok(())
+    /// Returns whether a component's implementation is in Rust and not in this build.
+    fn lacks(&self, plan: &Plan, component: &str) -> bool {
+        let component = plan.component(component);
+        component.is_some_and(|it| match &it.implementation {
+            Implementation::Rust(name) => self.build.catalogue().factory(name).is_none(),
+            Implementation::Asm { .. }
+            | Implementation::Builtin { .. }
+            | Implementation::Process { .. }
+            | Implementation::Ros { .. }
+            | Implementation::Orocos { .. } => false,
+        })
     }
 
     /// Opens a version of the composite with the properties set on the command line.

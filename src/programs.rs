@@ -91,13 +91,17 @@ impl Programs for ProgramsHere<'_> {
         self.programs.ask(command, component)
     }
 
+    fn ask_robot(&self, address: &str, broker: Option<&str>) -> Option<ProgramAnswer> {
+        self.programs.ask_robot(address, broker)
+    }
+
     fn runs(&self, process: &Process) -> bool {
         let host = process.host.as_ref().map(|it| it.value.as_str());
         self.choice.includes(&process.name.value, host)
     }
 }
 
-/// The programs of a running system. No others are started for a composite that is received over a bus: who may publish
+/// The programs and components of other robots of a running system. No others are started for a composite that is received over a bus: who may publish
 /// there could run any command.
 pub struct RunningPrograms<'p>(pub &'p Plan);
 
@@ -126,6 +130,19 @@ impl Programs for RunningPrograms<'_> {
                     "it is no program of the running system; a new one needs a start of the system"
                         .to_owned(),
             }
+        }))
+    }
+
+    fn ask_robot(&self, address: &str, _: Option<&str>) -> Option<ProgramAnswer> {
+        let mut components = self.0.components.iter();
+        let running = components.find(|it| it.implementation.robot_component() == Some(address));
+        let declaration = running.and_then(|it| it.program.clone());
+        Some(declaration.ok_or_else(|| {
+            ProgramError::Fault {
+            code: String::new(),
+            text: "it is no component of the running system; a new one needs a start of the system"
+                .to_owned(),
+        }
         }))
     }
 }

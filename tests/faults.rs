@@ -438,3 +438,40 @@ fn late(folder: &Path) -> std::path::PathBuf {
     std::fs::write(&composite, LATE).unwrap();
     composite
 }
+
+#[test]
+fn n4_a_contact_on_board_reaches_the_coordinator_over_a_broker() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let composite = navigation().join("navigation.composite.toml");
+    // a pillar a hand's breadth in front of the rover, late enough that it drives on a loaded machine, too
+    let pillar = r#"World.obstacles=[{ at_s = 14.0, frame = "robot", disc = [0.31, 0.0, 0.05] }]"#;
+    let process = |name| {
+        let mut command = run_any(&composite);
+        command.args(["--bus", &vhost.url(), "--process", name]);
+        command
+    };
+    let onboard = Running::start(process("onboard").args(["--set", pillar]));
+    wait_until_present(&vhost, "onboard");
+    let mut supervisor = Heard::start(&mut process("supervisor"));
+    let mut told = Vec::new();
+    let plans_anew = |line: &Value| {
+        let mut updates = line["step"]["updates"].as_array().into_iter().flatten();
+        updates.any(|update| update["location"] == "tries" && update["after"] == "1")
+    };
+    assert!(
+        supervisor.until(&mut told, plans_anew).is_some(),
+        "{told:#?}"
+    );
+    let drives_on = enters("FOLLOWING");
+    assert!(
+        supervisor.until(&mut told, drives_on).is_some(),
+        "{told:#?}"
+    );
+    assert_eq!(calls(&told, "plan"), 2);
+    let output = onboard.interrupt();
+    let summary = String::from_utf8(output.stdout).unwrap();
+    assert!(summary.contains(r#""collisions":1"#), "{summary}");
+}

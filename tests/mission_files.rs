@@ -569,3 +569,72 @@ fn every_key_of_the_schema_of_missions_is_observed() {
     observed.sort();
     assert_eq!(all, observed);
 }
+
+/// `specs/navigation` with a broker whose address is `url`, and a map server of this composite or, in the profile `depot`, of
+/// another robot; and the mission `goal` with it.
+fn with_broker(url: &str, profile: &str) -> (tempfile::TempDir, &'static str) {
+    let folder = folder();
+    let navigation = folder.path().join("specs/navigation");
+    let read = |name: &str| std::fs::read_to_string(navigation.join(name)).unwrap();
+    let composite = read("navigation.composite.toml");
+    let wire = "reference  = \"ASMCoordinator.maps\"\nservice    = \"MapServer.maps\"\n";
+    let other = format!(
+        "profile = \"alone\"\n{wire}timeout_ms = 3000\n\n[[wires]]\nprofile = \"depot\"\nreference = \"ASMCoordinator.maps\"\n\
+         binding = \"amqp\"\nurl = \"robot://depot/MapServer.maps\"\n"
+    );
+    assert_eq!(composite.matches(wire).count(), 1);
+    let composite = composite.replace(wire, &other);
+    let operator = |profile: &str| {
+        format!(
+            "[components.Operator_{profile}]\nimplementation = {{ rust = \"nav::Operator\" }}\nprofile = \"{profile}\"\n\
+             activity = {{ period_ms = 100 }}\n"
+        )
+    };
+    let operators = ["alone", "depot"].map(operator).concat();
+    let composite = composite.replace(
+        "components = [\"Operator\",",
+        "components = [\"Operator\", \"Operator_alone\", \"Operator_depot\",",
+    );
+    let broker = format!("\n{operators}\n[brokers.cell]\nurl = \"{url}\"\n");
+    std::fs::write(navigation.join("depot.composite.toml"), composite + &broker).unwrap();
+    let goal =
+        read("goal.mission.toml").replace("navigation.composite.toml", "depot.composite.toml");
+    let goal = format!("profile = \"{profile}\"\n{goal}");
+    std::fs::write(navigation.join("depot.mission.toml"), goal).unwrap();
+    (folder, "specs/navigation/depot.mission.toml")
+}
+
+#[test]
+fn a_mission_selects_a_profile_and_needs_no_broker_of_its_composite() {
+    // nothing listens there
+    let (folder, mission) = with_broker("amqp://rover@127.0.0.1:1/cell", "alone");
+    let (code, out) = test(folder.path(), &[mission]);
+    assert_eq!(code, Some(0), "{out}");
+    assert!(out.contains("     pass "), "{out}");
+}
+
+#[test]
+fn a_mission_that_leads_outside_says_why_not_and_what_to_do() {
+    let (folder, mission) = with_broker("amqp://rover@127.0.0.1:1/cell", "depot");
+    let reason = "error[V036]: `robot://depot/MapServer.maps` is a service of another robot, which is called over a broker; a \
+                  mission runs in virtual time and without brokers";
+    let help = "select another one with `profile` in the mission";
+    let (code, out) = test(folder.path(), &[mission]);
+    assert_eq!(code, Some(2), "{out}");
+    assert!(out.contains(reason) && out.contains(help), "{out}");
+    assert!(!out.contains("--bus"), "{out}");
+    // before it is run
+    let checked = asmotion(folder.path(), &["check", mission]);
+    let said = String::from_utf8(checked.stderr).unwrap();
+    assert_eq!(checked.status.code(), Some(1), "{said}");
+    assert!(said.contains(reason) && said.contains(help), "{said}");
+}
+
+#[test]
+fn a_mission_whose_broker_uses_an_unset_variable_says_that_any_value_will_do() {
+    let (folder, mission) = with_broker("amqp://${NO_SUCH_USER}@127.0.0.1:1/cell", "alone");
+    let (code, out) = test(folder.path(), &[mission]);
+    assert_eq!(code, Some(2), "{out}");
+    assert!(out.contains("not set: NO_SUCH_USER"), "{out}");
+    assert!(out.contains("any value will do"), "{out}");
+}

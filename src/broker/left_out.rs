@@ -45,7 +45,6 @@ pub fn connect(
 }
 
 /// Never called: there are no settings.
-#[cfg(feature = "tui")]
 pub fn watch(settings: &AmqpSettings) -> (String, Result<asmotion_remote::Remote, String>) {
     match *settings {}
 }

@@ -170,7 +170,10 @@ impl Catalogue for BuildCatalogue {
     }
 
     fn has(&self, builtin: BuiltinComponent) -> bool {
-        builtin == BuiltinComponent::PortProxy
+        matches!(
+            builtin,
+            BuiltinComponent::PortProxy | BuiltinComponent::Remote
+        )
     }
 
     fn messages(&self) -> Vec<String> {

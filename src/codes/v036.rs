@@ -42,10 +42,15 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 #[error("{reason}")]
 pub struct MissionNotStarted {
     pub reason: String,
+    /// Way out.
+    pub help: Option<String>,
 }
 
 impl Finding for MissionNotStarted {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
+        match &self.help {
+            Some(help) => diagnostic.help(help.clone()),
+            None => diagnostic,
+        }
     }
 }

@@ -4,8 +4,11 @@ use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_lang::simulate::AwaitError;
 use asmotion_lang::{Report, Sources};
 use std::fmt;
+use std::path::Path;
 
+use super::outside::OutsideSystem;
 use crate::feature::LeftOut;
+use crate::own_program::cargo_run;
 
 /// Reasons why a mission cannot start.
 #[derive(Debug)]
@@ -75,6 +78,17 @@ pub enum MissionError {
         /// Names the feature that adds gateways.
         reason: LeftOut,
     },
+    /// A component is not in this build; the program of the composite's own project may contain it.
+    NotInBuild {
+        /// The component and its implementation, in words.
+        reason: String,
+        /// Path of the composite.
+        composite: String,
+    },
+    /// The run needs a system outside that its clock and brokers do not reach.
+    Outside(OutsideSystem),
+    /// Environment variables that the composite uses are not set: their names.
+    UnsetVariables(Vec<String>),
     /// The composite starts only if its properties are verified, and they are not: each finding.
     NotVerified(Vec<String>),
     /// The director refuses the plan.
@@ -175,6 +189,20 @@ impl fmt::Display for MissionError {
             Self::Director(report) => {
                 let mut findings = report.diagnostics.iter();
                 findings.try_for_each(|finding| writeln!(to, "{}", finding.message))
+            }
+            Self::NotInBuild { reason, composite } => {
+                to.write_str(reason)?;
+                match cargo_run(Path::new(composite)) {
+                    Some(program) => write!(
+                        to,
+                        "\n  the program of this project contains its own components: `{program} run {composite}`"
+                    ),
+                    None => Ok(()),
+                }
+            }
+            Self::Outside(system) => write!(to, "{system}: {}", system.option()),
+            Self::UnsetVariables(names) => {
+                write!(to, "environment variables not set: {}", names.join(", "))
             }
             Self::NotVerified(findings) => write!(
                 to,

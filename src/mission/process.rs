@@ -5,13 +5,16 @@ use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{Bus, BusError, LocalBus};
+use asmotion_composite::split_robot_component;
 use asmotion_network::Network;
-use asmotion_plan::{Broker, Part, Plan};
+use asmotion_plan::{Broker, Part, Plan, Terminal};
 use asmotion_remote::{LastSamples, ProcessContact};
 use asmotion_runtime::System;
 
+use super::error::MissionError;
+use super::outside::OutsideSystem;
 use super::version_switch::VersionSwitch;
-use super::{Mission, MissionError};
+use super::{Mission, MissionClock};
 use crate::broker::BrokerSettings;
 use crate::files::DiskLoader;
 
@@ -61,6 +64,20 @@ impl MissionBrokers {
             Self::Nothing | Self::Inside(_) => Vec::new(),
             Self::One(settings) => vec![robot(settings)],
             Self::Each(brokers) => brokers.values().map(robot).collect(),
+        }
+    }
+
+    /// Settings of the brokers by name; without a name if one carries everything.
+    pub(super) fn settings(&self) -> BTreeMap<Option<&str>, &BrokerSettings> {
+        match self {
+            Self::Nothing | Self::Inside(_) => BTreeMap::new(),
+            Self::One(settings) => BTreeMap::from([(None, settings)]),
+            Self::Each(brokers) => {
+                let brokers = brokers.iter();
+                brokers
+                    .map(|(name, it)| (Some(name.as_str()), it))
+                    .collect()
+            }
         }
     }
 
@@ -135,6 +152,61 @@ impl Mission {
         }
         let plan = opened.plan(self.profile.as_deref());
         plan.filter(|plan| plan.missing.is_empty()).map(f)
+    }
+
+    /// Rejects systems outside that the clock and the brokers of the mission do not reach.
+    pub(crate) fn check_outside(&self, plan: &Plan) -> Result<(), MissionError> {
+        let part = self.part(plan)?;
+        self.check_clock(plan, &part)?;
+        self.check_robots(plan, &part)
+    }
+
+    /// Rejects virtual time if a message queue or a wire leads to a system outside, which uses the wall clock.
+    fn check_clock(&self, plan: &Plan, part: &Part) -> Result<(), MissionError> {
+        let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
+        let queue = ends.find(|it| matches!(it, Terminal::Mqueue(_)));
+        let queue = queue.map(ToString::to_string);
+        let urls = plan.wires_over_http(part).map(|(_, url)| url.shown());
+        let outside = queue.or_else(|| urls.map(str::to_owned).next());
+        match (self.clock, outside) {
+            (MissionClock::Virtual(_), Some(outside)) => {
+                Err(MissionError::Outside(OutsideSystem::WallClock(outside)))
+            }
+            (MissionClock::Virtual(_), None) | (MissionClock::Wall, _) => Ok(()),
+        }
+    }
+
+    /// Rejects components and services of other robots without a broker, and those of the robot itself.
+    fn check_robots(&self, plan: &Plan, part: &Part) -> Result<(), MissionError> {
+        let robots = self.brokers.robots(&plan.name);
+        let here = plan.components.iter().filter(|it| part.has(&it.name));
+        for address in here.filter_map(|it| it.implementation.robot_component()) {
+            if robots.is_empty() {
+                let outside = OutsideSystem::RobotComponent(address.to_owned());
+                return Err(MissionError::Outside(outside));
+            }
+            let (robot, component) = split_robot_component(address).unwrap_or_default();
+            if robots.contains(&robot) {
+                return Err(MissionError::Launch(format!(
+                    "`{address}` is a component of this robot, which is called `{robot}`: name `{component}` itself, or start \
+                     the robot under another name with `--robot`"
+                )));
+            }
+        }
+        for address in plan.robot_addresses(part) {
+            if robots.is_empty() {
+                let outside = OutsideSystem::RobotService(address.to_string());
+                return Err(MissionError::Outside(outside));
+            }
+            if robots.contains(&address.robot()) {
+                let (robot, service) = (address.robot(), address.name());
+                return Err(MissionError::Launch(format!(
+                    "`{address}` is a service of this robot, which is called `{robot}`: write `service = \"{service}\"`, \
+                     or start the robot under another name with `--robot`"
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Connects to the brokers.

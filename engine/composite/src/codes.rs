@@ -114,6 +114,8 @@ pub(crate) mod c150;
 pub(crate) mod c151;
 pub(crate) mod c153;
 pub(crate) mod c154;
+pub(crate) mod c158;
+pub(crate) mod c159;
 
 use asmotion_diagnostics::Code;
 
@@ -231,4 +233,6 @@ pub const CODES: &[&Code] = &[
     c151::NoSingleProvider::CODE,
     c153::ProgramWithoutDeclaration::CODE,
     c154::ProgramElsewhere::CODE,
+    c158::RobotWithoutDeclaration::CODE,
+    c159::RobotNotAsked::CODE,
 ];

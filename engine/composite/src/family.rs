@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_component::Declaration;
 use asmotion_diagnostics::{Report, Sources, Span};
+use asmotion_program::ProgramError;
 
 use crate::at::At;
 use crate::catalogue::Catalogue;
@@ -19,7 +20,9 @@ use crate::finding::Findings;
 use crate::model::binding::Bind;
 use crate::model::{Component, Composite, Implementation, Process};
 use crate::pattern;
-use crate::programs::{ExtendedCatalogue, ProgramAnswer, command_of};
+use crate::programs::{
+    ExtendedCatalogue, ProgramAnswer, command_of, robot_component, split_robot_component,
+};
 use crate::provider::{NamedInterfaces, ServiceScope};
 use crate::read;
 use crate::signature::Signature;
@@ -216,13 +219,12 @@ fn declaration(
 ) -> Option<Declaration> {
     match component.implementation.as_ref()? {
         Implementation::Rust(name) => catalogue.declaration(name),
-        Implementation::Process { .. } => {
+        Implementation::Process { .. } | Implementation::Builtin { .. } => {
             let program = programs.get(&component.name.value)?.as_ref().ok()?;
             Some(program.declaration.clone())
         }
         Implementation::Asm { .. }
         | Implementation::Composite(_)
-        | Implementation::Builtin { .. }
         | Implementation::Ros { .. }
         | Implementation::Orocos { .. } => None,
     }
@@ -351,15 +353,39 @@ impl Visit<'_, '_> {
         &names(elsewhere) - &names(here)
     }
 
-    /// Asks the programs of a composite for their declarations.
+    /// Asks the programs of a composite, and the other robots whose components it names, for declarations.
     fn programs(&self, composite: &Composite, path: &str) -> BTreeMap<String, ProgramAnswer> {
         let components = composite.components.iter();
         let answers = components.filter_map(|component| {
-            let command = command_of(component.implementation.as_ref()?, path)?;
+            let implementation = component.implementation.as_ref()?;
             let name = &component.name.value;
-            Some((name.clone(), self.context.programs.ask(&command, name)?))
+            let answer = match robot_component(implementation) {
+                Some(address) => self.robot(composite, component, address)?,
+                None => {
+                    let command = command_of(implementation, path)?;
+                    self.context.programs.ask(&command, name)?
+                }
+            };
+            Some((name.clone(), answer))
         });
         answers.collect()
+    }
+
+    /// Asks another robot for the declaration of a component.
+    fn robot(
+        &self,
+        composite: &Composite,
+        component: &Component,
+        address: &str,
+    ) -> Option<ProgramAnswer> {
+        if let Err(reason) = split_robot_component(address) {
+            return Some(Err(ProgramError::Fault {
+                code: String::new(),
+                text: format!("the address {reason}"),
+            }));
+        }
+        let broker = composite.broker_of(component).map(|it| it.value.as_str());
+        self.context.programs.ask_robot(address, broker)
     }
 
     /// Reads a nested composite; reports a cycle or excessive depth instead.

@@ -42,7 +42,7 @@ pub use catalogue::{Catalogue, ComponentFactory, Constructor, Tables};
 pub use codes::CODES;
 pub use context::Context;
 pub use environment::{EmptyEnvironment, VariableSource};
-pub use programs::{NoPrograms, ProgramAnswer, Programs};
+pub use programs::{NoPrograms, ProgramAnswer, Programs, split_robot_component};
 pub use signature::{NoSpecifications, Signature, Specifications};
 pub use specification::AsmFiles;
 pub use types::open_types;

@@ -9,6 +9,7 @@ use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_datum::Schema;
 use asmotion_program::{ProgramCommand, ProgramDeclaration, ProgramError};
 
+use crate::at::At;
 use crate::catalogue::{Catalogue, ComponentFactory};
 use crate::model::{BuiltinComponent, Implementation, Process};
 
@@ -19,6 +20,12 @@ pub type ProgramAnswer = Result<ProgramDeclaration, ProgramError>;
 pub trait Programs {
     /// Returns the declaration of a program that implements a component of this name; `None` if it is not asked.
     fn ask(&self, command: &ProgramCommand, component: &str) -> Option<ProgramAnswer>;
+
+    /// Returns the declaration of a component of another robot at this address, `robot://ROBOT/Component`; `None` if the
+    /// robot is not asked. `broker` is the broker that the composite names for the component.
+    fn ask_robot(&self, _address: &str, _broker: Option<&str>) -> Option<ProgramAnswer> {
+        None
+    }
 
     /// Returns whether a process of the composite runs here. The programs of another process can be absent on this machine.
     fn runs(&self, _process: &Process) -> bool {
@@ -50,7 +57,7 @@ pub(crate) fn command_of(
     else {
         return None;
     };
-    let seconds = |limit: &Option<crate::at::At<f64>>, default: f64| {
+    let seconds = |limit: &Option<At<f64>>, default: f64| {
         Duration::from_secs_f64(limit.as_ref().map_or(default, |limit| limit.value))
     };
     Some(ProgramCommand {
@@ -59,6 +66,42 @@ pub(crate) fn command_of(
         start_timeout: seconds(start_timeout_s, Implementation::START_TIMEOUT_S),
         timeout: seconds(timeout_s, Implementation::TIMEOUT_S),
     })
+}
+
+/// Returns the address of the component of another robot that a component stands for; `None` for other components.
+pub(crate) fn robot_component(implementation: &Implementation) -> Option<&At<String>> {
+    match implementation {
+        Implementation::Builtin { target, .. }
+            if implementation.builtin() == Some(BuiltinComponent::Remote) =>
+        {
+            target.as_ref()
+        }
+        Implementation::Builtin { .. }
+        | Implementation::Rust(_)
+        | Implementation::Asm { .. }
+        | Implementation::Composite(_)
+        | Implementation::Process { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => None,
+    }
+}
+
+/// Splits the address of a component of another robot, `robot://ROBOT/Component`.
+///
+/// # Errors
+/// The reason that the text is no such address.
+pub fn split_robot_component(address: &str) -> Result<(&str, &str), &'static str> {
+    let Some(rest) = address.strip_prefix("robot://") else {
+        return Err("does not begin with `robot://`");
+    };
+    match rest.split_once('/') {
+        Some(("", _)) => Err("has no robot"),
+        None | Some((_, "")) => Err("has no component"),
+        Some((_, component)) if component.contains('.') => {
+            Err("names a service; a wire with `binding = \"amqp\"` and this `url` calls it")
+        }
+        Some((robot, component)) => Ok((robot, component)),
+    }
 }
 
 /// Returns the working directory of a program: relative to that of its composite, which is the default.

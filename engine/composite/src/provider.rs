@@ -144,7 +144,11 @@ impl ServiceScope<'_> {
     fn provided<'c>(&self, component: &'c Component) -> Vec<ProvidedService<'c>> {
         let mut services: BTreeMap<String, String> = BTreeMap::new();
         match &component.implementation {
-            Some(Implementation::Rust(_) | Implementation::Process { .. }) => {
+            Some(
+                Implementation::Rust(_)
+                | Implementation::Process { .. }
+                | Implementation::Builtin { .. },
+            ) => {
                 let declared = (self.declared)(component);
                 let declared = declared.into_iter().flat_map(|it| it.services);
                 services.extend(declared.map(|it| (it.name, it.interface)));
@@ -152,7 +156,6 @@ impl ServiceScope<'_> {
             Some(Implementation::Composite(file)) => services.extend((self.promoted)(file)),
             Some(
                 Implementation::Asm { .. }
-                | Implementation::Builtin { .. }
                 | Implementation::Ros { .. }
                 | Implementation::Orocos { .. },
             )

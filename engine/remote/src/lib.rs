@@ -36,6 +36,7 @@ mod presence_publisher;
 mod remote;
 mod robot_watch;
 mod roster;
+mod stand_in;
 mod watch;
 
 pub use self::call::SendHandle;
@@ -52,4 +53,5 @@ pub use self::presence::{
     PresentService, PresentTopic, RobotPresence, key, presence_topic,
 };
 pub use self::remote::{Remote, listen};
+pub use self::stand_in::{RobotComponent, StandIn};
 pub use self::watch::OutputWatch;

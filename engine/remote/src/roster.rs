@@ -10,7 +10,7 @@ use crate::error::RemoteError;
 use crate::presence::{Presence, PresentComponent, RobotPresence};
 
 /// Time after which a silent process counts as gone. Processes publish their presence once a second.
-const SILENT: Duration = Duration::from_millis(2500);
+pub(crate) const SILENT: Duration = Duration::from_millis(2500);
 
 /// Pattern of all presence topics.
 pub(crate) const WORDS: &str = "#.presence.*";

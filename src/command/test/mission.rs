@@ -33,6 +33,7 @@ use crate::codes::v035::MissionEndedEarly;
 use crate::codes::v036::MissionNotStarted;
 use crate::files::DiskLoader;
 use crate::mission::{Director, Mission, MissionEnd, MissionError, MissionOutcome};
+use crate::own_program::cargo_run;
 use crate::paths::FileKind;
 use crate::trace::MissionTrace;
 use director::{MissionDirector, data, lock, seconds};
@@ -78,8 +79,10 @@ pub(in crate::command) fn check(
     let (file, report, sources) = match read(path, loader) {
         Ok(read) => read,
         Err(reason) => {
-            let report = [MissionNotStarted { reason }.diagnostic()];
-            return (report.into_iter().collect(), Sources::new());
+            return (
+                one(MissionNotStarted { reason, help: None }),
+                Sources::new(),
+            );
         }
     };
     let Some(file) = file.filter(|_| !report.has_errors()) else {
@@ -91,21 +94,27 @@ pub(in crate::command) fn check(
         return (opened.report, opened.sources);
     }
     let refused = match opened.plan(mission.profile.as_deref()) {
-        Some(plan) => MissionDirector::new(file).prepare(plan).err(),
+        Some(plan) => MissionDirector::new(file)
+            .prepare(plan)
+            .and_then(|()| {
+                let refused = mission.check_outside(plan);
+                refused.map_err(|error| one(not_started(&error, path)))
+            })
+            .err(),
         None => {
             let unknown = MissionError::Profile {
                 requested: mission.profile,
                 available: opened.profiles,
             };
-            let reason = unknown.to_string();
-            Some(
-                [MissionNotStarted { reason }.diagnostic()]
-                    .into_iter()
-                    .collect(),
-            )
+            Some(one(not_started(&unknown, path)))
         }
     };
     (refused.unwrap_or(report), sources)
+}
+
+/// A report of one finding.
+fn one(finding: MissionNotStarted) -> Report {
+    [finding.diagnostic()].into_iter().collect()
 }
 
 /// Runs a mission; `seed` is that of the command line.
@@ -115,7 +124,7 @@ pub(super) fn run(build: &Build, path: PathBuf, seed: u64) -> TestResult {
     match read(&path, &DiskLoader) {
         Err(reason) => result
             .report
-            .push(MissionNotStarted { reason }.diagnostic()),
+            .push(MissionNotStarted { reason, help: None }.diagnostic()),
         Ok((file, report, sources)) => {
             (result.report, result.sources) = (report, sources);
             if let Some(file) = file.filter(|_| !result.report.has_errors()) {
@@ -252,14 +261,48 @@ fn refuse(error: MissionError, result: &mut TestResult) {
         | MissionError::Broker { .. }
         | MissionError::Gateway { .. }
         | MissionError::WithoutGateway { .. }
+        | MissionError::NotInBuild { .. }
+        | MissionError::Outside(_)
+        | MissionError::UnsetVariables(_)
         | MissionError::NotVerified(_)
         | MissionError::Launch(_)) => {
-            let reason = error.to_string();
-            result
-                .report
-                .push(MissionNotStarted { reason }.diagnostic());
+            let finding = not_started(&error, &result.path).diagnostic();
+            result.report.push(finding);
         }
     }
+}
+
+/// The finding about a mission that cannot start, with ways out that a mission file has: it has none of the options of `run`.
+fn not_started(error: &MissionError, path: &Path) -> MissionNotStarted {
+    let (reason, help) = if let MissionError::Outside(system) = error {
+        (
+            format!("{system}; a mission runs in virtual time and without brokers"),
+            Some(
+                "give the part of the composite that leads outside a `profile`, and select another one with `profile` in the \
+                 mission"
+                    .to_owned(),
+            ),
+        )
+    } else if let MissionError::UnsetVariables(_) = error {
+        (
+            error.to_string(),
+            Some(
+                "a mission connects to no broker: if only the address or password of one uses a variable, any value will do"
+                    .to_owned(),
+            ),
+        )
+    } else if let MissionError::NotInBuild { reason, .. } = error {
+        let help = cargo_run(path).map(|program| {
+            let path = path.display();
+            format!(
+                "the program of this project contains its own components: `{program} test {path}`"
+            )
+        });
+        (reason.clone(), help)
+    } else {
+        (error.to_string(), None)
+    };
+    MissionNotStarted { reason, help }
 }
 
 /// The findings about a run that has ended.

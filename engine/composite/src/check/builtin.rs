@@ -33,6 +33,18 @@ pub(crate) fn check(scene: &mut CheckedComposite<'_>, report: &mut Report) {
                     faces.push((index, face));
                 }
             }
+            BuiltinComponent::Remote => {
+                if target.is_none() {
+                    let example = "\"robot://arm/Driver\"";
+                    missing(
+                        component,
+                        "target",
+                        example,
+                        "a component of another robot",
+                        report,
+                    );
+                }
+            }
             BuiltinComponent::RosBridge => ros_bridge(scene, component, bridge.as_ref(), report),
             BuiltinComponent::WebMonitor
             | BuiltinComponent::Recorder

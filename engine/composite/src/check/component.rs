@@ -12,6 +12,8 @@ use crate::codes::c076::UnsupportedKey;
 use crate::codes::c128::NothingToVerify;
 use crate::codes::c153::ProgramWithoutDeclaration;
 use crate::codes::c154::ProgramElsewhere;
+use crate::codes::c158::RobotWithoutDeclaration;
+use crate::codes::c159::RobotNotAsked;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -26,7 +28,7 @@ use crate::at::At;
 use crate::finding::Findings;
 use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
-use crate::programs::command_of;
+use crate::programs::{command_of, robot_component};
 use crate::signature::Signature;
 use asmotion_datum::Word;
 
@@ -217,6 +219,9 @@ fn face(
         },
         Implementation::Builtin { name, .. } => {
             builtin(scene, name, implementation.builtin(), report);
+            if let Some(target) = robot_component(implementation) {
+                return robot(scene, component, target, report);
+            }
             let face = listed(component, report);
             operations(scene, component, name, &face, report);
             face
@@ -313,6 +318,34 @@ fn program(
             });
             listed(component, report)
         }
+    }
+}
+
+/// Returns the ports and services that another robot announces for one of its components.
+fn robot(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    target: &At<String>,
+    report: &mut Report,
+) -> Endpoints {
+    match scene.member.program(&component.name.value) {
+        Some(Ok(announced)) => {
+            return known(scene, component, target, &announced.declaration, report);
+        }
+        Some(Err(reason)) => report.found(RobotWithoutDeclaration {
+            target: target.value.clone(),
+            at: target.span,
+            reason: reason.clone(),
+        }),
+        None => report.found(RobotNotAsked {
+            target: target.value.clone(),
+            at: target.span,
+            unverified: members(component),
+        }),
+    }
+    Endpoints {
+        blank: true,
+        ..listed(component, report)
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) fn check(
         missing(component, "target", example, "a port-proxy", report);
         return None;
     };
-    scene.part(target, report)?;
+    let is_unknown = scene.part(target, report)?.face.blank;
     let mut face = listed.clone();
     for entry in &component.special.map {
         if let MapEntry::Proxy(entry) = entry {
@@ -44,7 +44,9 @@ pub(super) fn check(
         }
     }
     if let Some(told) = &component.special.notify {
-        notify(scene, told, &face, report);
+        if !is_unknown {
+            notify(scene, told, &face, report);
+        }
         pace(scene, component, told, report);
     }
     Some(face)

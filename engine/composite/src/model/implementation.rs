@@ -35,7 +35,8 @@ pub enum Implementation {
         /// Component provided by the engine.
         #[key(name = "builtin", example = "\"port-proxy\"")]
         name: At<String>,
-        /// `port-proxy`: component whose ports are accessed through services.
+        /// `port-proxy`: component whose ports are accessed through services. `remote`: component of another robot,
+        /// `robot://ROBOT/Component`.
         #[key(example = "\"youBotDriver\"", local)]
         target: Option<At<String>>,
         /// `ros-bridge`: name of the bridge.
@@ -116,6 +117,23 @@ impl Implementation {
 }
 
 impl PlannedImplementation {
+    /// Returns the address of the component of another robot that a component stands for, `robot://ROBOT/Component`.
+    pub fn robot_component(&self) -> Option<&str> {
+        match self {
+            Self::Builtin { name, target, .. }
+                if BuiltinComponent::of_word(name) == Some(BuiltinComponent::Remote) =>
+            {
+                target.as_deref()
+            }
+            Self::Builtin { .. }
+            | Self::Rust(_)
+            | Self::Asm { .. }
+            | Self::Process { .. }
+            | Self::Ros { .. }
+            | Self::Orocos { .. } => None,
+        }
+    }
+
     /// Returns the name, file or command, and the words that follow it on a command line.
     pub fn words(&self) -> Vec<&str> {
         match self {
@@ -145,6 +163,8 @@ pub enum BuiltinComponent {
     #[default]
     #[word("port-proxy")]
     PortProxy,
+    /// A component of another robot, with the ports and services that it announces.
+    Remote,
     /// Mapping of topics to ROS topics.
     #[word("ros-bridge")]
     RosBridge,

@@ -47,8 +47,11 @@ impl<'r> Resolver<'r> {
         }
     }
 
-    /// Qualifies the name of an element of this composite.
+    /// Qualifies the name of an element of this composite. A URL names an element of another system and stays as it is.
     pub fn local(&self, name: &str) -> String {
+        if name.contains("://") {
+            return name.to_owned();
+        }
         format!("{}{name}", self.prefix)
     }
 

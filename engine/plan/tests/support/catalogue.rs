@@ -104,6 +104,7 @@ impl Catalogue for SmallBuild {
         matches!(
             builtin,
             BuiltinComponent::PortProxy
+                | BuiltinComponent::Remote
                 | BuiltinComponent::RosBridge
                 | BuiltinComponent::WebMonitor
         )
