@@ -53,6 +53,13 @@ fn a_project_with_a_specification_only() {
     assert!(text.contains("no findings"), "{text}");
     let text = succeeds(&project, &["test", "specs"]);
     assert!(text.contains("3 passed"), "{text}");
+    let text = succeeds(&project, &["verify", "specs"]);
+    assert_eq!(
+        text.matches("4 hold, 0 violated, 0 not known").count(),
+        2,
+        "{text}"
+    );
+    assert!(text.contains("invariant inv_done"), "{text}");
     let mission = [
         "run",
         "specs/left_arm.composite.toml",
@@ -162,6 +169,8 @@ fn a_project_in_python_passes_its_tests_and_missions() {
     assert!(text.contains("no findings"), "{text}");
     let text = run(asmotion, &["test", "specs"]);
     assert!(text.contains("3 passed"), "{text}");
+    let text = run(asmotion, &["verify", "specs"]);
+    assert!(text.contains("4 hold, 0 violated, 0 not known"), "{text}");
     let mission = [
         "run",
         "specs/left_arm.composite.toml",
@@ -265,4 +274,33 @@ fn a_name_is_checked_and_nothing_is_overwritten() {
         "{text}"
     );
     assert!(project.join("test_wrist.py").is_file());
+}
+
+#[test]
+fn without_its_own_program_a_project_in_rust_says_how_to_run_it() {
+    let (home, source) = (tempfile::tempdir().unwrap(), env!("CARGO_MANIFEST_DIR"));
+    succeeds(home.path(), &["new", "left-arm", "--source", source]);
+    let project = home.path().join("left-arm");
+    let (code, text) = asmotion(&project, &["test", "specs"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("1 passed, 2 cannot be run"), "{text}");
+    let command = "`cargo run -- test specs/left_arm.mission.toml`";
+    assert!(text.contains(command), "{text}");
+    let (code, text) = asmotion(&project, &["run", "specs/left_arm.composite.toml"]);
+    assert_eq!(code, Some(2), "{text}");
+    let command = "`cargo run -- run specs/left_arm.composite.toml`";
+    assert!(text.contains(command), "{text}");
+    // from elsewhere
+    let (_, text) = asmotion(home.path(), &["test", "left-arm/specs/stop.mission.toml"]);
+    let manifest = project.canonicalize().unwrap().join("Cargo.toml");
+    let command = format!(
+        "`cargo run --manifest-path {} -- test left-arm/specs/stop.mission.toml`",
+        manifest.display()
+    );
+    assert!(text.contains(&command), "{text}");
+    // no command where there is no such project
+    std::fs::remove_file(project.join("Cargo.toml")).unwrap();
+    let (_, text) = asmotion(&project, &["test", "specs"]);
+    assert!(text.contains("is not in this build"), "{text}");
+    assert!(!text.contains("cargo run"), "{text}");
 }

@@ -5,31 +5,39 @@ import StandardLibrary
 
 signature:
 	enum domain Mode = {CLOSING | OPENING | DONE | FAILED}
-	monitored position: Real
+	domain Cycles subsetof Integer
+	monitored closed: Boolean
+	monitored opened: Boolean
 	monitored stopped: Boolean
-	out command: Real
+	out closing: Boolean
 	controlled mode: Mode
-	controlled cycles: Integer
+	controlled cycles: Cycles
 
 definitions:
-	rule r_move($to in Real, $next in Mode) =
-		par
-			command := $to
-			if abs(position - $to) < 0.001 then mode := $next endif
-		endpar
+	domain Cycles = {0 : 3}
 
-	invariant inv_cycles over cycles: cycles >= 0 and cycles <= 3
+	// `asmotion verify` proves it for all inputs
+	invariant inv_done over mode, cycles: mode = DONE implies cycles = 3
 
 	main rule r_Main =
 		if stopped and (mode = CLOSING or mode = OPENING) then
 			mode := FAILED
 		else
 			switch mode
-				case CLOSING: r_move[0.0, OPENING]
+				case CLOSING:
+					par
+						closing := true
+						if closed then mode := OPENING endif
+					endpar
 				case OPENING:
 					par
-						r_move[0.08, if cycles < 2 then CLOSING else DONE endif]
-						if abs(position - 0.08) < 0.001 then cycles := cycles + 1 endif
+						closing := false
+						if opened then
+							par
+								cycles := cycles + 1
+								mode := if cycles < 2 then CLOSING else DONE endif
+							endpar
+						endif
 					endpar
 			endswitch
 		endif

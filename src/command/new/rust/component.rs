@@ -1,12 +1,17 @@
-//! A gripper: moves its fingers to the commanded position.
+//! A gripper: closes and opens its fingers.
 
 use asmotion_component::{
     Component, Cycle, Fault, Freeze, In, Interface, Out, Ports, Properties, PropertySet, Time,
     freeze_by_fields,
 };
-use asmotion_messages::Float64;
+use asmotion_messages::{Bool, Float64};
 
-/// `gripper::Gripper`: moves to the commanded position, at a limited speed.
+/// Distance of the fingers when they are open, m.
+const OPEN: f64 = 0.08;
+/// Distance from an end position at which it counts as reached, m.
+const TOLERANCE: f64 = 1e-6;
+
+/// `gripper::Gripper`: closes and opens at a limited speed.
 #[derive(Freeze)]
 #[freeze(component = "gripper::Gripper", version = 1)]
 pub struct Gripper {
@@ -21,8 +26,12 @@ pub struct Gripper {
 
 #[derive(Ports)]
 struct GripperPorts {
-    /// Commanded distance of the fingers, m.
-    command: In<Float64>,
+    /// `true` to close, `false` to open.
+    closing: In<Bool>,
+    /// Whether the fingers are closed; written in each cycle.
+    closed: Out<Bool>,
+    /// Whether the fingers are open; written in each cycle.
+    opened: Out<Bool>,
     /// Distance of the fingers, m; written in each cycle.
     position: Out<Float64>,
 }
@@ -40,7 +49,7 @@ impl Gripper {
         Self {
             ports: interface.ports(),
             properties: interface.properties(),
-            position: 0.08,
+            position: OPEN,
             last: None,
         }
     }
@@ -54,12 +63,16 @@ impl Component for Gripper {
         let now = cycle.now();
         let elapsed = self.last.map_or(0.0, |last| now.since(last).as_secs_f64());
         self.last = Some(now);
-        if let Some(command) = cycle.read(self.ports.command).any() {
+        if let Some(closing) = cycle.read(self.ports.closing).any() {
+            let target = if closing.data { 0.0 } else { OPEN };
             let step = self.properties.speed * elapsed;
-            let distance = (command.data - self.position).clamp(-step, step);
-            self.position += distance;
+            self.position += (target - self.position).clamp(-step, step);
         }
         let position = self.position;
+        let closed = position < TOLERANCE;
+        let opened = position > OPEN - TOLERANCE;
+        cycle.write(self.ports.closed, Bool { data: closed });
+        cycle.write(self.ports.opened, Bool { data: opened });
         cycle.write(self.ports.position, Float64 { data: position });
         Ok(())
     }
@@ -82,7 +95,7 @@ mod tests {
     fn it_moves_at_its_speed() -> Result<(), BenchError> {
         let mut bench = Bench::new(Gripper::new);
         bench.period(Duration::from_millis(100)).set("speed", 0.2);
-        bench.give("command", Float64 { data: 0.0 }).cycle()?;
+        bench.give("closing", Bool { data: true }).cycle()?;
         let position = bench.cycle()?.output::<Float64>("position");
         assert!(position.is_some_and(|it| (it.data - 0.06).abs() < 1e-9));
         Ok(())
