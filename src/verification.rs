@@ -4,7 +4,7 @@ use crate::build::Build;
 use crate::files::DiskLoader;
 use asmotion_composite::model::PlannedVerify;
 use asmotion_lang::hir::PropertyLogic;
-use asmotion_lang::{Loader, ReadOptions, Report, Sources, Style, render_all};
+use asmotion_lang::{Loader, ReadOptions, Report, Sources, Span, Style, render_all};
 use asmotion_plan::{Component, Implementation, Plan};
 use asmotion_verification::{
     ComponentModel, ModelContext, ModelError, ModelledEnvironment, component_model,
@@ -77,6 +77,8 @@ fn has_properties(component: &Component) -> bool {
 /// Puts the results for a component in terms of its composite: locations of other components get the names of these, and
 /// rules of other components that never run are no violation.
 pub fn in_terms_of_composite(verification: &mut Verification, environment: &ModelledEnvironment) {
+    let sources = verification.machines.first();
+    let sources = sources.map(|it| &it.specification.sources);
     for property in &mut verification.properties {
         if property.kind == PropertyKind::RulesRun {
             let own = format!("({}:", environment.file);
@@ -98,10 +100,23 @@ pub fn in_terms_of_composite(verification: &mut Verification, environment: &Mode
             }
         }
         match &mut property.verdict {
-            Verdict::Holds(Some(run)) | Verdict::Violated(Some(run)) => rewrite(run, environment),
+            Verdict::Holds(Some(run)) | Verdict::Violated(Some(run)) => {
+                rewrite(run, environment);
+                for step in &mut run.steps {
+                    // those of the environment show in its messages
+                    step.choices.retain(|it| {
+                        sources.is_some_and(|known| is_own(it.place, known, environment))
+                    });
+                }
+            }
             Verdict::Holds(None) | Verdict::Violated(None) | Verdict::Unknown => {}
         }
     }
+}
+
+/// Returns `true` if a place is in a file of the verified specification, not in its environment.
+pub fn is_own(place: Span, sources: &Sources, environment: &ModelledEnvironment) -> bool {
+    environment.own_files.contains(sources.path(place.file))
 }
 
 /// The name of a location in the composite; `None` if it is part of the environment's own state.
@@ -163,8 +178,6 @@ fn rewrite(run: &mut Run, environment: &ModelledEnvironment) {
                 step.updates.push(update);
             }
         }
-        // those of the environment show in its messages
-        step.choices.clear();
     }
     let last = inputs.into_iter().filter(|(location, value)| {
         environment

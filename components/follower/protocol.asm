@@ -1,6 +1,6 @@
 asm protocol
 // The trajectory follower as others see it: reports REACHED once for each path that it has followed to its end, and HALTED
-// once for each order to stop.
+// once for each order to stop. Velocities are not part of it.
 import StandardLibrary
 
 signature:

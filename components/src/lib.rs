@@ -51,7 +51,10 @@ pub const PROTOCOLS: &[(&str, &str)] = &[
     ("nav::TrajectoryPlanner", asmotion_planner::PROTOCOL),
     ("nav::TrajectoryAdapter", asmotion_adapter::PROTOCOL),
     ("nav::TrajectoryFollower", asmotion_follower::PROTOCOL),
+    ("nav::Operator", asmotion_operator::PROTOCOL),
     ("nav::sim::RoverDriver", asmotion_rover::PROTOCOL),
+    ("nav::sim::LaserDriver", asmotion_laser::PROTOCOL),
+    ("nav::CollisionMonitor", asmotion_collision_monitor::PROTOCOL),
 ];
 
 /// Returns the operations of an interface.

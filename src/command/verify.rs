@@ -12,6 +12,7 @@ mod json;
 mod mutants;
 mod options;
 mod progress;
+mod projection;
 mod run;
 mod search;
 mod show;
@@ -168,8 +169,9 @@ impl Verify {
             terminal.error(error);
             return Exit::Usage;
         }
-        if self.has_exports() && files.len() > 1 {
-            terminal.error("`--trace`, `--avalla` and `--itf` are for one specification");
+        if self.has_exports() && files.len() + composites.len() > 1 {
+            terminal
+                .error("`--trace`, `--avalla` and `--itf` are for one specification or composite");
             return Exit::Usage;
         }
         if let ([file], true) = (files.as_slice(), self.watch) {

@@ -353,7 +353,9 @@ fn a_composite_is_verified_with_what_its_components_send() {
     assert!(out.contains("11 hold, 0 violated, 0 not known"), "{out}");
     assert!(out.contains("TrajectoryFollower behaves as in"), "{out}");
     assert!(
-        out.contains("CollisionMonitor has no protocol: any event at any time"),
+        out.contains(
+            "CollisionMonitor receives nothing from ASMCoordinator: any event at any time"
+        ),
         "{out}"
     );
     let property = "ag(mode = FOLLOWING implies ax(mode != ARRIVED))";
@@ -380,6 +382,48 @@ fn a_composite_is_verified_with_what_its_components_send() {
 }
 
 #[test]
+fn a_run_of_a_composite_is_repeated_by_its_specification() {
+    let folder =
+        std::env::temp_dir().join(format!("asmotion-composite-run-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).display().to_string();
+    let (trace, scenario, states) = (path("run.trace"), path("run.avalla"), path("run.itf.json"));
+    let property = "mode != ARRIVED";
+    let (exit, out, err) = run(&[
+        "verify",
+        NAVIGATION,
+        "--property",
+        property,
+        "--trace",
+        &trace,
+        "--avalla",
+        &scenario,
+        "--itf",
+        &states,
+    ]);
+    assert_eq!(exit, 1, "{out}{err}");
+    let (exit, out, err) = run(&[
+        "sim",
+        "specs/navigation/navigate.asm",
+        "--replay-inputs",
+        &trace,
+    ]);
+    assert_eq!(exit, 0, "{out}{err}");
+    assert!(out.contains("ARRIVED"), "{out}");
+    // the scenario fails only where the run violates the property
+    let (exit, out, err) = run(&["test", &scenario]);
+    assert_eq!(exit, 1, "{out}{err}");
+    assert!(
+        format!("{out}{err}").contains("mode != ARRIVED"),
+        "{out}{err}"
+    );
+    let states = std::fs::read_to_string(&states).unwrap();
+    let states: serde_json::Value = serde_json::from_str(&states).unwrap();
+    assert!(states["states"].as_array().is_some_and(|it| it.len() > 3));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn options_of_composites_are_refused_where_they_have_no_effect() {
     for arguments in [
         vec!["verify", LAMP, "--component", "Lamp"],
@@ -388,7 +432,7 @@ fn options_of_composites_are_refused_where_they_have_no_effect() {
         vec!["verify", NAVIGATION, "--set", "place"],
         vec!["verify", NAVIGATION, "--set", "nothing=1"],
         vec!["verify", NAVIGATION, "--environment", "hold"],
-        vec!["verify", NAVIGATION, "--trace", "run.trace"],
+        vec!["verify", NAVIGATION, PHILOSOPHERS, "--trace", "run.trace"],
         vec!["verify", "nowhere.composite.toml"],
     ] {
         let (exit, out, err) = run(&arguments);

@@ -7,3 +7,6 @@ mod zones;
 
 pub use collision_monitor::CollisionMonitor;
 pub use zones::{PlanarVelocity, Verdict, Zones};
+
+/// Protocol of the collision monitor: what it sends, depending on what it receives.
+pub const PROTOCOL: &str = include_str!("../protocol.asm");

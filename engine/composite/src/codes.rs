@@ -116,6 +116,8 @@ pub(crate) mod c153;
 pub(crate) mod c154;
 pub(crate) mod c158;
 pub(crate) mod c159;
+pub(crate) mod c160;
+pub(crate) mod c161;
 
 use asmotion_diagnostics::Code;
 
@@ -235,4 +237,6 @@ pub const CODES: &[&Code] = &[
     c154::ProgramElsewhere::CODE,
     c158::RobotWithoutDeclaration::CODE,
     c159::RobotNotAsked::CODE,
+    c160::UnknownProtocolEnd::CODE,
+    c161::UnfitProtocolFunction::CODE,
 ];

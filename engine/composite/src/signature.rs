@@ -136,6 +136,21 @@ pub struct Annotations {
     pub provided: Vec<Annotated>,
     /// Control states named by `//@Final`, in which a coordinator may stay.
     pub final_states: Vec<String>,
+    /// Functions of a protocol annotated with `//@Port`.
+    pub ports: Vec<AnnotatedPort>,
+    /// Texts of `//@Echo` in a protocol, with their locations.
+    pub echoes: Vec<(String, Span)>,
+}
+
+/// A function of a protocol with the port or operation that it stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnnotatedPort {
+    /// Name of the function.
+    pub function: String,
+    /// Port or operation, with a field, as written.
+    pub end: String,
+    /// Source location of the annotation.
+    pub at: Span,
 }
 
 /// An annotated function or module.

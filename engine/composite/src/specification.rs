@@ -12,8 +12,8 @@ use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
 
 use crate::signature::{
-    Annotated, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind, MissingLiteral,
-    ParameterInfo, Signature, Specifications, StatedProperties,
+    Annotated, AnnotatedPort, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind,
+    MissingLiteral, ParameterInfo, Signature, Specifications, StatedProperties,
 };
 
 /// Loads `.asm` files with the language crates.
@@ -355,6 +355,10 @@ fn annotations(tree: &File, model: &Model) -> Annotations {
             continue;
         }
         let at = annotation.name.span;
+        if &*annotation.name.text == "Echo" {
+            found.echoes.push((annotation.rest.trim().to_owned(), at));
+            continue;
+        }
         let behind = declared
             .iter()
             .filter(|(name, _)| name.span.start > at.start);
@@ -373,6 +377,11 @@ fn annotations(tree: &File, model: &Model) -> Annotations {
                     declared,
                 });
             }
+            ("Port", true) => found.ports.push(AnnotatedPort {
+                function: text,
+                end: annotation.rest.trim().to_owned(),
+                at,
+            }),
             ("MainService" | "Provided", false) => found.provided.push(Annotated {
                 interface: text.rsplit('/').next().unwrap_or_default().to_owned(),
                 name: text,

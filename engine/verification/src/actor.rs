@@ -32,6 +32,22 @@ pub(crate) struct Actor {
     pub texts: Vec<(String, String)>,
 }
 
+impl Actor {
+    /// Returns `true` if its specification says what it sends through a port or a reference.
+    pub fn covers(&self, end: &str) -> bool {
+        !self.is_protocol || covers(&self.outputs, end)
+    }
+}
+
+/// Returns `true` if one of the outputs of a protocol is sent through a port or a reference.
+pub(crate) fn covers(outputs: &[ActorOutput], end: &str) -> bool {
+    outputs.iter().any(|it| match &it.effect {
+        OutputEffect::Publish { port, .. } => port == end,
+        OutputEffect::Send { reference, .. } => reference == end,
+        OutputEffect::Reply { .. } | OutputEffect::Cases(_) => false,
+    })
+}
+
 /// What the environment needs to know about a function.
 #[derive(Clone, Debug)]
 pub(crate) struct FunctionFacts {

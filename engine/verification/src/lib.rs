@@ -6,6 +6,8 @@
 
 mod actor;
 mod bound;
+pub mod conformance;
+mod context;
 mod currency;
 mod environment;
 mod error;
@@ -17,10 +19,11 @@ mod model;
 mod network;
 mod origin;
 pub mod protocol;
+mod protocol_text;
 mod rename;
+mod search;
 
+pub use context::ModelContext;
 pub use error::ModelError;
-pub use model::{
-    ComponentModel, ModelContext, ModelledEnvironment, component_model, specified_components,
-};
+pub use model::{ComponentModel, ModelledEnvironment, component_model, specified_components};
 pub use origin::ValueOrigin;

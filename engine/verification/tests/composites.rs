@@ -103,6 +103,27 @@ fn a_protocol_excludes_what_the_component_does_not_do() {
     assert_eq!(never, ["ag(mode = BUSY implies ef(mode = IDLE))"]);
 }
 
+/// Events of one function arrive in order, messages and outcomes of calls alike. After a contact no other plan is published until
+/// there is a path, so the follower can report the end of the old one; that has no effect.
+#[test]
+fn an_event_about_an_old_plan_has_no_effect() {
+    let files = Files::default();
+    let options = Options {
+        properties: vec![
+            "ag((event = REACHED and mode != FOLLOWING) implies ax(mode != ARRIVED))".to_owned(),
+            "ag(mode = WAIT_MAP implies event != REACHED)".to_owned(),
+        ],
+        ..Options::default()
+    };
+    let found = verified(modelled(&files, NAVIGATION, "ASMCoordinator"), &options);
+    println!(
+        "{:?} violated, {} states",
+        stated(&found, Verdict::is_violated),
+        found.states
+    );
+    assert_eq!(stated(&found, Verdict::is_violated), [""; 0]);
+}
+
 /// Two coordinators that use one specification are verified each on its own.
 #[test]
 fn a_specification_is_verified_for_each_component_that_uses_it() {

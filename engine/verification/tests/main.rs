@@ -8,4 +8,7 @@
 )]
 
 mod composites;
+mod conformance;
+mod disorder;
+mod scenarios;
 mod support;

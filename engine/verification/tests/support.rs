@@ -9,7 +9,7 @@ use asmotion_verify::{Options, Verification, verify};
 use std::sync::Arc;
 
 /// Files of the repository, some of them with other texts.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Files {
     changed: Vec<(String, String)>,
 }
@@ -23,6 +23,27 @@ impl Files {
         self.changed.push((path.to_owned(), text.replace(from, to)));
         self
     }
+
+    /// Adds a file.
+    pub fn with(mut self, path: &str, text: String) -> Self {
+        self.changed.push((path.to_owned(), text));
+        self
+    }
+
+    /// The protocol of a component of the catalogue, as changed: its file has the path `components/…/protocol.asm`.
+    pub fn protocol(&self, component: &str) -> Option<String> {
+        let text = asmotion_components::protocol(component)?;
+        let is_changed = |path: &str| {
+            let original = std::fs::read_to_string(in_repository(path));
+            path.starts_with("components/") && original.is_ok_and(|it| it == text)
+        };
+        let changed = self.changed.iter().find(|(path, _)| is_changed(path));
+        Some(changed.map_or_else(|| text.to_owned(), |(_, text)| text.clone()))
+    }
+}
+
+pub fn in_repository(path: &str) -> String {
+    format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"))
 }
 
 impl Loader for Files {
@@ -30,8 +51,7 @@ impl Loader for Files {
         if let Some((_, text)) = self.changed.iter().find(|(known, _)| known == path) {
             return Ok(Arc::from(text.as_str()));
         }
-        let file = format!("{}/../../{path}", env!("CARGO_MANIFEST_DIR"));
-        let text = std::fs::read_to_string(&file).map_err(|error| LoadError {
+        let text = std::fs::read_to_string(in_repository(path)).map_err(|error| LoadError {
             path: path.to_owned(),
             reason: error.to_string(),
         })?;
@@ -52,7 +72,7 @@ impl Loader for Files {
     }
 }
 
-struct NoVariables;
+pub struct NoVariables;
 
 impl VariableSource for NoVariables {
     fn variable(&self, _: &str) -> Option<String> {
@@ -64,7 +84,7 @@ impl VariableSource for NoVariables {
     }
 }
 
-const CATALOGUE: Tables = Tables {
+pub const CATALOGUE: Tables = Tables {
     components: asmotion_components::COMPONENTS,
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
@@ -97,7 +117,7 @@ pub fn model(files: &Files, plan: &Plan, component: &str) -> Result<ComponentMod
     let context = ModelContext {
         plan,
         loader: files,
-        protocols: &|name| asmotion_components::protocol(name).map(str::to_owned),
+        protocols: &|name| files.protocol(name),
         options: ReadOptions::default(),
     };
     component_model(&context, component)

@@ -1,5 +1,6 @@
 //! `asmotion verify` of composites: each specification together with its environment.
 
+use super::projection::ProjectedRun;
 use super::{Verify, exit, json, show};
 use crate::build::Build;
 use crate::exit::Exit;
@@ -59,9 +60,7 @@ impl Verify {
                 "`--environment` is for specifications: in a composite, the other components are the environment",
             );
         }
-        (self.has_exports() && has_composites).then_some(
-            "`--trace`, `--avalla` and `--itf` are for specifications: a run of a composite has steps of several components",
-        )
+        None
     }
 
     /// Verifies the specifications of a composite.
@@ -105,6 +104,13 @@ impl Verify {
         } else {
             self.composite.component.clone()
         };
+        if self.has_exports() && components.len() > 1 {
+            terminal.error(format_args!(
+                "`--trace`, `--avalla` and `--itf` are for one component: choose one with `--component` ({})",
+                components.join(", ")
+            ));
+            return Exit::Usage;
+        }
         if components.is_empty() {
             terminal.error(format_args!(
                 "`{path}` has no component with a specification"
@@ -199,8 +205,11 @@ impl Verify {
             Ok(found) => found,
             Err(exit) => return exit,
         };
+        let run = self
+            .has_exports()
+            .then(|| ProjectedRun::of(&verification, &environment));
         in_terms_of_composite(&mut verification, &environment);
-        let exit = exit(&verification);
+        let mut exit = exit(&verification);
         if self.json {
             let mut result = json::verification(path, &verification, time);
             result["component"] = component.into();
@@ -216,6 +225,9 @@ impl Verify {
             );
             show_environment(&environment, terminal);
         }
+        let machines = &verification.machines;
+        let run = run.flatten();
+        exit = exit.max(self.write_projected(run.as_ref(), &environment, machines, terminal));
         exit
     }
 }
@@ -237,6 +249,7 @@ fn environment_json(environment: &ModelledEnvironment) -> Value {
     json!({
         "components": others.collect::<Vec<Value>>(),
         "without_protocol": environment.open,
+        "independent": environment.independent,
         "outside": environment.outside,
         "assumptions": environment.assumptions,
         "origins": Value::Object(origins.collect()),
@@ -252,6 +265,12 @@ fn show_environment(environment: &ModelledEnvironment, terminal: &mut TerminalOu
     for component in &environment.open {
         terminal.result(format_args!(
             "  {NOTE}environment{NOTE:#} {component} has no protocol: any event at any time"
+        ));
+    }
+    for component in &environment.independent {
+        terminal.result(format_args!(
+            "  {NOTE}environment{NOTE:#} {component} receives nothing from {}: any event at any time",
+            environment.component
         ));
     }
     if !environment.outside.is_empty() {

@@ -21,6 +21,14 @@ impl Verify {
         self.trace.is_some() || self.avalla.is_some() || self.itf.is_some()
     }
 
+    /// Warns that there is no run for the files that were requested.
+    pub(super) fn nothing_to_write(&self, terminal: &mut TerminalOutput) {
+        for path in [&self.trace, &self.avalla, &self.itf].into_iter().flatten() {
+            let path = path.display();
+            terminal.warn(format_args!("there is no run to write to `{path}`"));
+        }
+    }
+
     /// Writes the run of the first violation to the files that were requested.
     pub(super) fn write(
         &self,
@@ -32,10 +40,7 @@ impl Verify {
             return Exit::Ok;
         }
         let Some((property, run)) = shown(verification) else {
-            for path in [&self.trace, &self.avalla, &self.itf].into_iter().flatten() {
-                let path = path.display();
-                terminal.warn(format_args!("there is no run to write to `{path}`"));
-            }
+            self.nothing_to_write(terminal);
             return Exit::Ok;
         };
         let mut files: Vec<(PathBuf, String)> = Vec::new();
@@ -63,15 +68,20 @@ impl Verify {
             let trace = itf::trace(property, run, spec, machines);
             files.push((path.clone(), format!("{trace:#}\n")));
         }
-        for (path, text) in files {
-            if let Err(error) = std::fs::write(&path, text) {
-                let path = path.display();
-                terminal.error(format_args!("cannot write the run `{path}`: {error}"));
-                return Exit::Usage;
-            }
-        }
-        Exit::Ok
+        save(&files, terminal)
     }
+}
+
+/// Writes files.
+pub fn save(files: &[(PathBuf, String)], terminal: &mut TerminalOutput) -> Exit {
+    for (path, text) in files {
+        if let Err(error) = std::fs::write(path, text) {
+            let path = path.display();
+            terminal.error(format_args!("cannot write the run `{path}`: {error}"));
+            return Exit::Usage;
+        }
+    }
+    Exit::Ok
 }
 
 /// The path of a machine's trace: `run.trace` becomes `run.courier.trace`.

@@ -2,7 +2,7 @@
 
 use super::words::{machine_name, rule_text};
 use crate::terminal::{BAD, FAINT, TerminalOutput};
-use asmotion_lang::Specification;
+use asmotion_lang::{Diagnostic, Sources, Specification};
 use asmotion_verify::{Run, RunChoice, RunGuard, RunStep, VerifiedMachine};
 
 pub fn show_run(run: &Run, machines: &[VerifiedMachine], terminal: &mut TerminalOutput) {
@@ -82,12 +82,35 @@ fn show_step(
         terminal.result(format_args!("              {FAINT}{message}{FAINT:#}"));
     }
     if let Some(fault) = &step.fault {
-        terminal.result(format_args!(
-            "              {BAD}fails{BAD:#}: {}",
-            fault.message
-        ));
+        show_fault(fault, &specification.sources, terminal);
     } else if step.updates.is_empty() && step.messages.is_empty() {
         terminal.result(format_args!("              {FAINT}no change{FAINT:#}"));
+    }
+}
+
+/// The fault of a step: code and message, its places with what they say, and the way out.
+fn show_fault(fault: &Diagnostic, sources: &Sources, terminal: &mut TerminalOutput) {
+    terminal.result(format_args!(
+        "              {BAD}fails[{}]{BAD:#}: {}",
+        fault.code, fault.message
+    ));
+    for label in fault.primary.iter().chain(&fault.secondary) {
+        let (line, column) = sources.position(label.span.file, label.span.start);
+        let path = sources.path(label.span.file);
+        let text = if label.text.is_empty() {
+            String::new()
+        } else {
+            format!(": {}", label.text)
+        };
+        terminal.result(format_args!(
+            "                {FAINT}{path}:{line}:{column}{FAINT:#}{text}"
+        ));
+    }
+    for note in &fault.notes {
+        terminal.result(format_args!("                {FAINT}note:{FAINT:#} {note}"));
+    }
+    for help in &fault.helps {
+        terminal.result(format_args!("                {FAINT}help:{FAINT:#} {help}"));
     }
 }
 
@@ -111,12 +134,12 @@ fn choice_text(choice: &RunChoice, specification: &Specification) -> String {
     )
 }
 
-/// A guard with the values that it read, without the inputs of the step, which are shown before.
+/// A guard with the values that it read, without the inputs of the step, which are shown before, and those that its text says.
 fn guard_text(guard: &RunGuard, step: &RunStep) -> String {
     let values = guard
         .values
         .iter()
-        .filter(|pair| !step.inputs.contains(pair));
+        .filter(|pair| !step.inputs.contains(pair) && !is_said(guard, pair));
     let values = values.map(|(name, value)| format!("{name} = {value}"));
     let values = values.collect::<Vec<String>>().join(", ");
     let not = if guard.holds { "" } else { "not " };
@@ -124,5 +147,48 @@ fn guard_text(guard: &RunGuard, step: &RunStep) -> String {
         format!("{not}`{}`", guard.text)
     } else {
         format!("{not}`{}` ({values})", guard.text)
+    }
+}
+
+/// Returns `true` if the text of a guard that holds says the value: `mode = READY`, alone or as one of several conditions.
+fn is_said(guard: &RunGuard, (name, value): &(String, String)) -> bool {
+    let is_conjunction = !OTHER_OPERATORS.iter().any(|it| guard.text.contains(it));
+    if guard.text == *name {
+        return *value == guard.holds.to_string();
+    }
+    guard.holds
+        && is_conjunction
+        && guard.text.split(" and ").any(|condition| {
+            condition
+                .split_once(" = ")
+                .is_some_and(|(left, right)| left == name && right == value)
+        })
+}
+
+/// Signs of a term in which a condition can be false although the whole is true.
+const OTHER_OPERATORS: [&str; 7] = ["(", " or ", " xor ", " implies ", " iff ", "not ", "if "];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_omitted_only_if_the_guard_says_it() {
+        let says = |text: &str, holds: bool| {
+            let guard = RunGuard {
+                text: text.to_owned(),
+                holds,
+                values: Vec::new(),
+                place: Default::default(),
+            };
+            is_said(&guard, &("mode".to_owned(), "READY".to_owned()))
+        };
+        assert!(says("mode = READY", true));
+        assert!(says("mode = READY and start", true));
+        assert!(!says("mode = READY", false));
+        assert!(!says("mode = target", true));
+        assert!(!says("mode = READY or start", true));
+        assert!(!says("not mode = READY and start", true));
+        assert!(!says("mode != IDLE", true));
     }
 }

@@ -22,6 +22,7 @@ mod meant;
 mod operations;
 mod profile;
 mod promote;
+mod protocol;
 mod proxy;
 mod queue;
 mod scene;
@@ -122,6 +123,7 @@ impl<'c> Checker<'c> {
         deploy::check(&scene, &topics, report);
         across::check(&scene, &topics, report);
         binding::check(&scene, report);
+        protocol::check(&scene, report);
         gateway::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
         let parts = scene.parts.into_iter();

@@ -1,0 +1,571 @@
+//! A protocol as an acceptor: follows all runs of the protocol that fit what was observed.
+
+use super::choices::ChoiceSequence;
+use super::observed::{MessageEnd, ObservedCycle, ObservedMessage, ProtocolDeviation};
+use crate::actor::{ActorInput, ActorOutput, Echo, InputOrigin, OutputEffect, read};
+use crate::error::ModelError;
+use crate::protocol::{ComponentNames, ends};
+use asmotion_coordinator::Receive;
+use asmotion_datum::Datum;
+use asmotion_diagnostics::{Loader, Sources};
+use asmotion_lang::ir::FunctionId;
+use asmotion_lang::value::Atom;
+use asmotion_lang::{Environment, Machine, Specification, Value};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Decides whether a protocol allows what a component does.
+///
+/// A cycle of the component is a step of the protocol. A component that sends several messages at once through one port makes
+/// further steps, without new inputs, for all but the first. The acceptor keeps the states of all runs of the protocol that fit
+/// what was observed so far; a cycle after which there is none left is a deviation.
+pub struct ProtocolAcceptor {
+    specification: Specification,
+    machine: Machine,
+    inputs: Vec<FollowedInput>,
+    outputs: Vec<FollowedOutput>,
+    echoes: Vec<Echo>,
+    initial: Vec<u8>,
+    states: BTreeSet<Vec<u8>>,
+    /// Newest content received at each end.
+    newest: BTreeMap<MessageEnd, Datum>,
+    cycle: u64,
+}
+
+struct FollowedInput {
+    function: FunctionId,
+    input: ActorInput,
+    end: MessageEnd,
+    /// `true` if the field is known only in the step after the arrival, because another function tells that.
+    is_of_arrival: bool,
+}
+
+struct FollowedOutput {
+    function: FunctionId,
+    output: ActorOutput,
+    end: MessageEnd,
+    field: Option<String>,
+}
+
+/// An event of a protocol: an out function and the value that it sends.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SentEvent {
+    /// Name of the out function.
+    pub function: String,
+    /// The value; empty if the message has none.
+    pub value: String,
+}
+
+/// A value that a message has for an out function.
+#[derive(Clone, Debug, PartialEq)]
+enum ExpectedValue {
+    Value(Value),
+    /// The message has no value, it has only arrived.
+    Any,
+}
+
+/// The values of inputs in a step.
+struct StepInputs<'a>(&'a BTreeMap<FunctionId, Value>);
+
+impl Environment for StepInputs<'_> {
+    fn read(&mut self, function: FunctionId, _: &[Value]) -> Result<Option<Value>, String> {
+        Ok(Some(self.0.get(&function).cloned().unwrap_or_default()))
+    }
+}
+
+/// Limit for the steps that look for the events of a protocol.
+const MAX_STEPS: usize = 1 << 20;
+
+impl ProtocolAcceptor {
+    /// Reads the protocol of a component.
+    ///
+    /// # Errors
+    /// The protocol has errors, or names something that the component does not have.
+    pub fn open(
+        component: &str,
+        names: &ComponentNames,
+        path: &str,
+        loader: &dyn Loader,
+    ) -> Result<Self, ModelError> {
+        let mut sources = Sources::new();
+        let files = read(path, loader, &mut sources, None)?;
+        let found = ends(component, names, &files)?;
+        let specification = asmotion_lang::open(path, loader);
+        let specification = specification.map_err(|failure| ModelError::Specification {
+            sources: Box::new(failure.sources),
+            report: failure.report,
+        })?;
+        let failed = |fault: Box<asmotion_lang::StepFault>| {
+            let mut report = asmotion_diagnostics::Report::new();
+            report.push(specification.explain(&fault));
+            report
+        };
+        let machine = specification.machine().map_err(failed);
+        let mut machine = match machine {
+            Ok(machine) => machine,
+            Err(report) => {
+                return Err(ModelError::Specification {
+                    sources: Box::new(specification.sources),
+                    report,
+                });
+            }
+        };
+        machine.keep_candidates();
+        let function = |name: &str| specification.function(name, 0);
+        let inputs = found.inputs.iter().filter_map(|input| {
+            let same = |it: &&ActorInput| it.origin == input.origin && it.receive == Receive::Edge;
+            Some(FollowedInput {
+                function: function(&input.location)?,
+                end: input_end(&input.origin)?,
+                is_of_arrival: input.receive == Receive::Last
+                    && found.inputs.iter().any(|it| same(&it)),
+                input: input.clone(),
+            })
+        });
+        let inputs: Vec<FollowedInput> = inputs.collect();
+        let outputs = found.outputs.into_iter().filter_map(|output| {
+            let (end, field) = output_end(&output.effect)?;
+            Some(FollowedOutput {
+                function: function(&output.location)?,
+                output,
+                end,
+                field,
+            })
+        });
+        let outputs: Vec<FollowedOutput> = outputs.collect();
+        let mut initial = Vec::new();
+        machine.pack_state(&mut initial);
+        Ok(Self {
+            states: BTreeSet::from([initial.clone()]),
+            initial,
+            machine,
+            inputs,
+            outputs,
+            echoes: found.echoes,
+            specification,
+            newest: BTreeMap::new(),
+            cycle: 0,
+        })
+    }
+
+    /// Returns to the initial state, as a component does when it is started again.
+    pub fn restart(&mut self) {
+        self.states = BTreeSet::from([self.initial.clone()]);
+        self.newest.clear();
+    }
+
+    /// Number of states in which the protocol can be.
+    pub fn states(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Returns the events that the protocol can send, whatever it receives; `None` if it has too many states to find out.
+    pub fn possible_events(&mut self) -> Option<BTreeSet<SentEvent>> {
+        let inputs = self.all_inputs();
+        let mut events = BTreeSet::new();
+        let mut known = BTreeSet::from([self.initial.clone()]);
+        let mut next = vec![self.initial.clone()];
+        let mut steps: usize = 0;
+        while let Some(state) = next.pop() {
+            for inputs in &inputs {
+                let mut choices = ChoiceSequence::default();
+                loop {
+                    steps += 1;
+                    if steps > MAX_STEPS {
+                        return None;
+                    }
+                    self.enter(&state);
+                    let stepped = self.machine.step(&mut StepInputs(inputs), &mut choices, 0);
+                    if stepped.is_ok() {
+                        events.extend(self.events_of(self.sent()));
+                        self.forget_sent();
+                        let mut packed = Vec::new();
+                        self.machine.pack_state(&mut packed);
+                        if known.insert(packed.clone()) {
+                            next.push(packed);
+                        }
+                    }
+                    if !choices.advance() {
+                        break;
+                    }
+                }
+            }
+        }
+        Some(events)
+    }
+
+    /// All combinations of values of the inputs, undef included for those that need not have a value.
+    fn all_inputs(&self) -> Vec<BTreeMap<FunctionId, Value>> {
+        let mut all = vec![BTreeMap::new()];
+        for followed in &self.inputs {
+            let codomain = &followed.input.codomain;
+            let mut values = match &codomain.elements {
+                Some(elements) => {
+                    let elements = elements.iter();
+                    elements.filter_map(|it| self.atom(&it.name)).collect()
+                }
+                None => vec![Value::Bool(false), Value::Bool(true)],
+            };
+            if followed.input.receive != Receive::Edge {
+                values.push(Value::Undef);
+            }
+            let combined = all.iter().flat_map(|before: &BTreeMap<_, _>| {
+                values.iter().map(|value| {
+                    let mut inputs = before.clone();
+                    inputs.insert(followed.function, value.clone());
+                    inputs
+                })
+            });
+            all = combined.collect();
+        }
+        all
+    }
+
+    fn events_of(&self, sent: BTreeMap<FunctionId, Value>) -> Vec<SentEvent> {
+        let naming = self.machine.naming();
+        let events = self.outputs.iter().filter_map(|it| {
+            Some(SentEvent {
+                function: it.output.location.clone(),
+                value: sent.get(&it.function)?.show(&naming).to_string(),
+            })
+        });
+        events.collect()
+    }
+
+    /// Follows a cycle of the component, and returns the events that it sent.
+    ///
+    /// # Errors
+    /// The protocol does not allow the cycle. The acceptor stays in the states before it.
+    pub fn follow(
+        &mut self,
+        observed: &ObservedCycle,
+    ) -> Result<BTreeSet<SentEvent>, ProtocolDeviation> {
+        self.cycle += 1;
+        for message in &observed.received {
+            self.newest
+                .insert(message.end.clone(), message.content.clone());
+        }
+        self.check_echoes(&observed.sent)?;
+        let expected = self.expected(&observed.sent)?;
+        let inputs = self.input_values(&observed.received)?;
+        let quiet = self.input_values(&[])?;
+        let steps = expected.values().map(Vec::len).max().unwrap_or(0).max(1);
+        let mut states = self.states.clone();
+        for step in 0..steps {
+            let inputs = if step == 0 { &inputs } else { &quiet };
+            let due = expected
+                .iter()
+                .filter_map(|(function, values)| Some((*function, values.get(step)?.clone())));
+            let due: BTreeMap<FunctionId, ExpectedValue> = due.collect();
+            states = self.successors(&states, inputs, &due)?;
+        }
+        self.states = states;
+        Ok(self.sent_events(&expected))
+    }
+
+    /// The states after a step with these inputs that sends exactly what is due.
+    fn successors(
+        &mut self,
+        states: &BTreeSet<Vec<u8>>,
+        inputs: &BTreeMap<FunctionId, Value>,
+        due: &BTreeMap<FunctionId, ExpectedValue>,
+    ) -> Result<BTreeSet<Vec<u8>>, ProtocolDeviation> {
+        let mut next = BTreeSet::new();
+        let mut allowed: BTreeSet<Vec<String>> = BTreeSet::new();
+        let mut failure = None;
+        for state in states {
+            let mut choices = ChoiceSequence::default();
+            loop {
+                self.enter(state);
+                let stepped = self.machine.step(&mut StepInputs(inputs), &mut choices, 0);
+                if let Err(fault) = stepped {
+                    failure.get_or_insert_with(|| self.specification.explain(&fault).message);
+                } else {
+                    let sent = self.sent();
+                    if fits(&sent, due) {
+                        self.forget_sent();
+                        let mut packed = Vec::new();
+                        self.machine.pack_state(&mut packed);
+                        next.insert(packed);
+                    } else {
+                        allowed.insert(self.described(sent.into_iter()));
+                    }
+                }
+                if !choices.advance() {
+                    break;
+                }
+            }
+        }
+        if !next.is_empty() {
+            return Ok(next);
+        }
+        let received = self.described(
+            inputs
+                .iter()
+                .filter(|(_, value)| **value != Value::Undef && **value != Value::Bool(false))
+                .map(|(function, value)| (*function, value.clone())),
+        );
+        if let (true, Some(reason)) = (allowed.is_empty(), failure) {
+            return Err(ProtocolDeviation::ProtocolFails {
+                cycle: self.cycle,
+                received,
+                reason,
+            });
+        }
+        let sent = due.iter().map(|(function, value)| match value {
+            ExpectedValue::Value(value) => (*function, value.clone()),
+            ExpectedValue::Any => (*function, Value::Bool(true)),
+        });
+        Err(ProtocolDeviation::NotAllowed {
+            cycle: self.cycle,
+            received,
+            sent: self.described(sent),
+            allowed: allowed.into_iter().collect(),
+        })
+    }
+
+    fn enter(&mut self, state: &[u8]) {
+        // cannot fail: the bytes are from this machine
+        let _ = self.machine.restore_state(state);
+        self.forget_sent();
+    }
+
+    /// Makes all out functions undef, so that every update shows.
+    fn forget_sent(&mut self) {
+        for output in &self.outputs {
+            let program = self.machine.program();
+            let slot = self.machine.state().slot(program, output.function, &[]);
+            if let Some(slot) = slot
+                && let Some(value) = self.machine.slots_mut().get_mut(slot as usize)
+            {
+                *value = Value::Undef;
+            }
+        }
+    }
+
+    /// The out functions that the last step has updated, with their values.
+    fn sent(&self) -> BTreeMap<FunctionId, Value> {
+        let values = self.outputs.iter().map(|it| {
+            let value = self.machine.value_at(it.function, &[]);
+            (it.function, value)
+        });
+        values.filter(|(_, value)| *value != Value::Undef).collect()
+    }
+
+    fn described(&self, values: impl Iterator<Item = (FunctionId, Value)>) -> Vec<String> {
+        let naming = self.machine.naming();
+        let symbols = &self.specification.model;
+        let name = |function: FunctionId| {
+            let mut own = symbols.own_functions();
+            let found = own.find(|(id, _)| id.0 == function.0);
+            found.map_or_else(String::new, |(_, it)| it.name.to_string())
+        };
+        let described =
+            values.map(|(function, value)| format!("{} = {}", name(function), value.show(&naming)));
+        described.collect()
+    }
+
+    fn sent_events(
+        &self,
+        expected: &BTreeMap<FunctionId, Vec<ExpectedValue>>,
+    ) -> BTreeSet<SentEvent> {
+        let naming = self.machine.naming();
+        let mut events = BTreeSet::new();
+        for output in &self.outputs {
+            for value in expected.get(&output.function).into_iter().flatten() {
+                events.insert(SentEvent {
+                    function: output.output.location.clone(),
+                    value: match value {
+                        ExpectedValue::Value(value) => value.show(&naming).to_string(),
+                        ExpectedValue::Any => String::new(),
+                    },
+                });
+            }
+        }
+        events
+    }
+
+    // ---- from messages to values ---------------------------------------------------------------
+
+    /// What the component sent, as values of the out functions.
+    fn expected(
+        &self,
+        sent: &[ObservedMessage],
+    ) -> Result<BTreeMap<FunctionId, Vec<ExpectedValue>>, ProtocolDeviation> {
+        let mut expected: BTreeMap<FunctionId, Vec<ExpectedValue>> = BTreeMap::new();
+        for output in &self.outputs {
+            for message in sent.iter().filter(|it| it.end == output.end) {
+                let part = part(&message.content, output.field.as_deref());
+                let value = self.value(&output.output.codomain, part.as_deref());
+                let value = match value {
+                    Some(value) => ExpectedValue::Value(value),
+                    None if output.output.codomain.is_boolean() => ExpectedValue::Any,
+                    None => {
+                        let function = &output.output.location;
+                        return Err(self.unknown(message, function, part.as_deref()));
+                    }
+                };
+                expected.entry(output.function).or_default().push(value);
+            }
+        }
+        Ok(expected)
+    }
+
+    /// The values of the inputs in a step.
+    fn input_values(
+        &self,
+        received: &[ObservedMessage],
+    ) -> Result<BTreeMap<FunctionId, Value>, ProtocolDeviation> {
+        let mut values = BTreeMap::new();
+        for followed in &self.inputs {
+            let input = &followed.input;
+            let arrived = received.iter().rfind(|it| it.end == followed.end);
+            let message = if input.receive != Receive::Last || followed.is_of_arrival {
+                arrived.map(|it| &it.content)
+            } else {
+                self.newest.get(&followed.end)
+            };
+            let value = match (input.receive, message) {
+                (Receive::Edge, message) => Value::Bool(message.is_some()),
+                (Receive::Last | Receive::All, None) => Value::Undef,
+                (Receive::Last | Receive::All, Some(content)) => {
+                    let part = part(content, input.field.as_deref());
+                    let found = self.value(&input.codomain, part.as_deref());
+                    match found {
+                        Some(value) => value,
+                        None => {
+                            let message = ObservedMessage {
+                                end: followed.end.clone(),
+                                content: content.clone(),
+                            };
+                            return Err(self.unknown(&message, &input.location, part.as_deref()));
+                        }
+                    }
+                }
+            };
+            values.insert(followed.function, value);
+        }
+        Ok(values)
+    }
+
+    /// The value of a codomain that a part of a message stands for; of a list, whether it has elements.
+    fn value(&self, codomain: &crate::actor::Codomain, part: Option<&Datum>) -> Option<Value> {
+        let part = part?;
+        if codomain.is_boolean() {
+            let truth = part
+                .as_bool()
+                .or_else(|| part.count().map(|count| count > 0));
+            return truth.map(Value::Bool);
+        }
+        self.atom(&codomain.named(part.as_text()?)?.name)
+    }
+
+    fn atom(&self, name: &str) -> Option<Value> {
+        let atoms = &self.specification.program.symbols.atoms;
+        let at = atoms.iter().position(|it| **it == *name)?;
+        Some(Value::Atom(Atom(u32::try_from(at).ok()?)))
+    }
+
+    fn unknown(
+        &self,
+        message: &ObservedMessage,
+        function: &str,
+        part: Option<&Datum>,
+    ) -> ProtocolDeviation {
+        ProtocolDeviation::UnknownValue {
+            cycle: self.cycle,
+            end: message.end.clone(),
+            function: function.to_owned(),
+            value: part.map_or_else(|| "no value".to_owned(), shown),
+        }
+    }
+
+    /// Checks that messages repeat what they promise.
+    fn check_echoes(&self, sent: &[ObservedMessage]) -> Result<(), ProtocolDeviation> {
+        for echo in &self.echoes {
+            let (output, input) = (
+                MessageEnd::Port(echo.output.clone()),
+                MessageEnd::Port(echo.input.clone()),
+            );
+            let newest = self.newest.get(&input);
+            let promised = newest.and_then(|it| it.get(&echo.input_field));
+            for message in sent.iter().filter(|it| it.end == output) {
+                let repeated = message.content.get(&echo.field);
+                if promised.is_none() || repeated != promised {
+                    return Err(ProtocolDeviation::NoEcho {
+                        cycle: self.cycle,
+                        output: format!("{}.{}", echo.output, echo.field),
+                        input: format!("{}.{}", echo.input, echo.input_field),
+                        sent: repeated.map_or_else(|| "no value".to_owned(), |it| shown(&it)),
+                        received: promised
+                            .map_or_else(|| "no message yet".to_owned(), |it| shown(&it)),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns `true` if a step has sent exactly what is due.
+fn fits(sent: &BTreeMap<FunctionId, Value>, due: &BTreeMap<FunctionId, ExpectedValue>) -> bool {
+    sent.len() == due.len()
+        && due.iter().all(|(function, expected)| {
+            sent.get(function).is_some_and(|value| match expected {
+                ExpectedValue::Value(due) => value == due,
+                ExpectedValue::Any => true,
+            })
+        })
+}
+
+fn input_end(origin: &InputOrigin) -> Option<MessageEnd> {
+    match origin {
+        InputOrigin::Port(port) => Some(MessageEnd::Port(port.clone())),
+        InputOrigin::Request { service, operation } => Some(MessageEnd::Operation {
+            service: service.clone(),
+            operation: operation.clone(),
+        }),
+        InputOrigin::Calls
+        | InputOrigin::Timer(_)
+        | InputOrigin::Losses
+        | InputOrigin::Value(_) => None,
+    }
+}
+
+fn output_end(effect: &OutputEffect) -> Option<(MessageEnd, Option<String>)> {
+    let operation = |service: &str, operation: &str| MessageEnd::Operation {
+        service: service.to_owned(),
+        operation: operation.to_owned(),
+    };
+    match effect {
+        OutputEffect::Publish { port, field, .. } => {
+            Some((MessageEnd::Port(port.clone()), field.clone()))
+        }
+        OutputEffect::Send {
+            reference,
+            operation: name,
+            field,
+        } => Some((operation(reference, name), field.clone())),
+        OutputEffect::Reply {
+            service,
+            operation: name,
+        } => Some((operation(service, name), None)),
+        OutputEffect::Cases(_) => None,
+    }
+}
+
+/// A field of a message, or the message; the only field of a message counts as the message.
+fn part<'a>(content: &'a Datum, field: Option<&str>) -> Option<Cow<'a, Datum>> {
+    match (field, content) {
+        (Some(field), content) => content.get(field),
+        (None, Datum::Record(fields)) => match fields.as_slice() {
+            [(_, only)] => Some(Cow::Borrowed(only)),
+            _ => None,
+        },
+        (None, content) => Some(Cow::Borrowed(content)),
+    }
+}
+
+fn shown(datum: &Datum) -> String {
+    format!("{datum:?}")
+}
