@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// How states are explored one by one.
 #[derive(Args)]
 pub struct SearchOptions {
-    /// Number of threads; the result does not depend on it [default: one for each processor]
+    /// Number of threads; the result does not depend on it [default: 1]
     #[arg(long, value_name = "N")]
     threads: Option<NonZero<usize>>,
 
@@ -51,8 +51,7 @@ pub enum StorageOption {
 impl Verify {
     /// Returns the number of threads.
     pub(super) fn threads(&self) -> usize {
-        let available = || std::thread::available_parallelism().map_or(1, NonZero::get);
-        self.search.threads.map_or_else(available, NonZero::get)
+        self.search.threads.map_or(1, NonZero::get)
     }
 
     /// Returns `true` if symmetric states are left out.
