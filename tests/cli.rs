@@ -12,6 +12,9 @@ mod replay;
 mod run;
 mod sim;
 mod verify;
+mod verify_inputs;
+mod verify_itf;
+mod verify_symbolic;
 mod verify_systems;
 
 use assert_cmd::Command;

@@ -55,10 +55,19 @@ definitions:
 	CTLSPEC ag(mode = CALL implies not cancelCall)
 	CTLSPEC ag(mode = WAIT iff outstanding)
 	CTLSPEC ag(mode = CALL implies ax(sendCall and mode = WAIT))
-	CTLSPEC ag((mode = WAIT and not (reply != NONE and replyIsForMe) and deadlinePassed) implies ax(cancelCall))
-	CTLSPEC ag((mode = WAIT and not (reply != NONE and replyIsForMe) and not deadlinePassed) implies ax(mode = WAIT and not sendCall))
+	CTLSPEC ag(
+		(mode = WAIT and not (reply != NONE and replyIsForMe) and deadlinePassed)
+		implies ax(cancelCall)
+	)
+	CTLSPEC ag(
+		(mode = WAIT and not (reply != NONE and replyIsForMe) and not deadlinePassed)
+		implies ax(mode = WAIT and not sendCall)
+	)
 	CTLSPEC ag((mode = WAIT and reply = OK and replyIsForMe) implies ax(mode = SUCCESS))
-	CTLSPEC ag((mode = WAIT and reply = TRANSIENT and replyIsForMe and retries < 3) implies ax(mode = RECOVERING))
+	CTLSPEC ag(
+		(mode = WAIT and reply = TRANSIENT and replyIsForMe and retries < 3)
+		implies ax(mode = RECOVERING)
+	)
 	CTLSPEC ag((mode = WAIT and reply = FATAL and replyIsForMe) implies ax(mode = GIVE_UP))
 	CTLSPEC ag((mode = RECOVERING and recoveryDone) implies ax(mode = CALL))
 	CTLSPEC ag((mode = RECOVERING and not recoveryDone) implies ax(mode = RECOVERING))

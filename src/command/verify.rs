@@ -14,6 +14,7 @@ mod options;
 mod progress;
 mod projection;
 mod run;
+mod run_files;
 mod search;
 mod show;
 mod system;
@@ -296,7 +297,7 @@ impl Verify {
             if self.advice {
                 show::advice(verification, terminal);
             }
-            let shown = export::shown(verification).filter(|(it, _)| it.verdict.is_violated());
+            let shown = run_files::shown(verification).filter(|(it, _)| it.verdict.is_violated());
             if let (Some((property, _)), [_]) = (shown, verification.machines.as_slice()) {
                 self.follow_up(path, property, terminal);
             }

@@ -136,14 +136,14 @@ enum Point {
 
 /// What a term can denote, besides undef.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Flow {
+struct Denotation {
     /// Values of these inputs.
     inputs: BTreeSet<FunctionId>,
     /// These values; `None` if any value is possible.
     values: Option<BTreeSet<Value>>,
 }
 
-impl Flow {
+impl Denotation {
     /// Undef only.
     fn nothing() -> Self {
         Self::listed([])
@@ -202,7 +202,7 @@ struct InputFlow<'a> {
     ranges: &'a InputRanges,
     /// The inputs without a range.
     inputs: &'a BTreeSet<FunctionId>,
-    points: BTreeMap<Point, Flow>,
+    points: BTreeMap<Point, Denotation>,
     /// Code that is executed.
     reached: BTreeSet<Frame>,
     /// The code that is being visited.
@@ -273,7 +273,7 @@ impl InputFlow<'_> {
         };
         self.reach(frame);
         for argument in 0..arguments {
-            self.join(Point::Variable(frame, argument), Flow::any());
+            self.join(Point::Variable(frame, argument), Denotation::any());
         }
     }
 
@@ -290,14 +290,14 @@ impl InputFlow<'_> {
         }
     }
 
-    fn at(&self, point: Point) -> Flow {
+    fn at(&self, point: Point) -> Denotation {
         self.points
             .get(&point)
             .cloned()
-            .unwrap_or_else(Flow::nothing)
+            .unwrap_or_else(Denotation::nothing)
     }
 
-    fn join(&mut self, point: Point, flow: Flow) {
+    fn join(&mut self, point: Point, flow: Denotation) {
         let known = self.at(point);
         let mut joined = known.clone().or(flow);
         if joined == known {
@@ -314,19 +314,19 @@ impl InputFlow<'_> {
     fn bind(&mut self, local: Local, range: &BinderRange) {
         let flow = match range {
             BinderRange::Ints(low, high) => integers(*low, *high),
-            BinderRange::Atoms(..) | BinderRange::Bools => Flow::any(),
+            BinderRange::Atoms(..) | BinderRange::Bools => Denotation::any(),
             BinderRange::Domain(domain) => self.extent(&ValueShape::Domain(*domain)),
             BinderRange::Elements(term) => self.elements(term),
         };
         self.variable(local, flow);
     }
 
-    fn variable(&mut self, local: Local, flow: Flow) {
+    fn variable(&mut self, local: Local, flow: Denotation) {
         self.join(Point::Variable(self.frame, local), flow);
     }
 
     /// The elements of a shape, unless `extend` can add some.
-    fn extent(&self, shape: &ValueShape) -> Flow {
+    fn extent(&self, shape: &ValueShape) -> Denotation {
         if let ValueShape::Domain(domain) = shape
             && self
                 .program
@@ -334,37 +334,37 @@ impl InputFlow<'_> {
                 .get(domain.0 as usize)
                 .is_none_or(|it| it.grows)
         {
-            return Flow::any();
+            return Denotation::any();
         }
-        elements(self.machine, self.program, shape).map_or_else(Flow::any, Flow::listed)
+        elements(self.machine, self.program, shape).map_or_else(Denotation::any, Denotation::listed)
     }
 
     /// The values of a function's locations.
-    fn location(&mut self, function: FunctionId, origin: Origin) -> Flow {
+    fn location(&mut self, function: FunctionId, origin: Origin) -> Denotation {
         if self.inputs.contains(&function) {
             self.uses.entry(function).or_insert_with(|| InputUse {
                 read: origin,
                 ..InputUse::default()
             });
-            return Flow::of_input(function);
+            return Denotation::of_input(function);
         }
         let Some(declared) = self.program.functions.get(function.0 as usize) else {
-            return Flow::any();
+            return Denotation::any();
         };
         if declared.mail.is_some() || declared.clock.is_some() {
-            return Flow::any();
+            return Denotation::any();
         }
         match declared.kind {
             FunctionKind::Monitored | FunctionKind::Shared => match self.ranges.of(function) {
-                Ok(values) => Flow::listed(values.iter().cloned()),
-                Err(_) => Flow::any(),
+                Ok(values) => Denotation::listed(values.iter().cloned()),
+                Err(_) => Denotation::any(),
             },
-            FunctionKind::Fixed => Flow::any(),
+            FunctionKind::Fixed => Denotation::any(),
             FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Local => {
                 let stored = self.at(Point::Function(function));
                 // an element, or the initial value, which is not checked
                 match self.extent(&declared.codomain) {
-                    Flow { values: None, .. } => stored,
+                    Denotation { values: None, .. } => stored,
                     elements => elements.or(stored),
                 }
             }
@@ -372,10 +372,10 @@ impl InputFlow<'_> {
     }
 
     /// A value is stored in a location of a function.
-    fn store(&mut self, function: FunctionId, flow: Flow, origin: Origin) {
+    fn store(&mut self, function: FunctionId, flow: Denotation, origin: Origin) {
         self.escape(&flow, origin, &EscapeUse::Stored(function));
         if self.inputs.contains(&function) {
-            let input = Flow::of_input(function);
+            let input = Denotation::of_input(function);
             self.escape(&input, origin, &EscapeUse::Updated);
         }
         let declared = self.program.functions.get(function.0 as usize);
@@ -387,13 +387,13 @@ impl InputFlow<'_> {
     }
 
     /// The value of a term is needed.
-    fn need(&mut self, term: &Term, usage: &EscapeUse) -> Flow {
+    fn need(&mut self, term: &Term, usage: &EscapeUse) -> Denotation {
         let flow = self.term(term);
         self.escape(&flow, term.origin, usage);
         flow
     }
 
-    fn escape(&mut self, flow: &Flow, at: Origin, usage: &EscapeUse) {
+    fn escape(&mut self, flow: &Denotation, at: Origin, usage: &EscapeUse) {
         for input in &flow.inputs {
             let found = self.uses.entry(*input).or_default();
             if found.escape.is_none() {
@@ -412,7 +412,7 @@ impl InputFlow<'_> {
         self.compared(&right, &left, is_order, origin);
     }
 
-    fn compared(&mut self, inputs: &Flow, other: &Flow, is_order: bool, origin: Origin) {
+    fn compared(&mut self, inputs: &Denotation, other: &Denotation, is_order: bool, origin: Origin) {
         for input in &inputs.inputs {
             let usage = match (other.inputs.first(), &other.values) {
                 (Some(other), _) => EscapeUse::ComparedWithInput(*other),
@@ -425,7 +425,7 @@ impl InputFlow<'_> {
                     continue;
                 }
             };
-            self.escape(&Flow::of_input(*input), origin, &usage);
+            self.escape(&Denotation::of_input(*input), origin, &usage);
         }
     }
 
@@ -440,9 +440,9 @@ fn arguments_of<T>(code: &[Body<T>], index: u32) -> u32 {
 }
 
 /// The integers between two bounds, both included.
-fn integers(low: i64, high: i64) -> Flow {
+fn integers(low: i64, high: i64) -> Denotation {
     if low <= high && high.abs_diff(low) >= MAX_LISTED as u64 {
-        return Flow::any();
+        return Denotation::any();
     }
-    Flow::listed((low..=high).map(Value::Int))
+    Denotation::listed((low..=high).map(Value::Int))
 }

@@ -1,6 +1,5 @@
 //! The set of states that have been reached, each with a number.
 
-use crate::options::Storage;
 use crate::spill::{Spill, Table};
 use hashbrown::HashTable;
 use std::borrow::Cow;
@@ -19,14 +18,6 @@ pub(crate) enum StateStorage {
 }
 
 impl StateStorage {
-    pub fn of(storage: &Storage) -> Self {
-        match storage {
-            Storage::Exact => Self::Memory,
-            Storage::Compact => Self::Fingerprints,
-            Storage::Disk(space) => Self::Files(Spill::new(space.clone())),
-        }
-    }
-
     /// Returns the space for tables outside of memory, if there is one.
     pub fn spill(&self) -> Option<&Spill> {
         match self {

@@ -20,11 +20,12 @@ use crate::machines::MachineSystem;
 use crate::mail::MessagePlan;
 #[cfg(feature = "symbolic")]
 use crate::options::Engine;
-use crate::options::{InputValues, Options};
+use crate::options::{InputValues, Options, Storage};
 use crate::preparation::{Prepared, prepare, report_of};
 use crate::property::CheckedProperty;
 use crate::regions::RepresentedInput;
 use crate::reuse::{self, KeptExploration};
+use crate::spill::Spill;
 use crate::store::{StateStorage, expected_missed};
 use crate::system::{SystemSpecification, VerifiedMachine};
 use crate::system_plan::SystemPlan;
@@ -433,7 +434,7 @@ impl Exploring<'_> {
             limits: self.options.limits,
             keeps_edges,
             threads: self.options.threads.max(1),
-            storage: StateStorage::of(&self.options.storage),
+            storage: storage_of(&self.options.storage),
             symmetry: self.options.symmetry,
         };
         // advice counts every branch, which grounded steps do not have
@@ -568,5 +569,13 @@ fn refusal(mut machines: Vec<VerifiedMachine>, machine: usize, report: Report) -
     Refusal {
         specification: Box::new(machines.swap_remove(machine).specification),
         report,
+    }
+}
+
+fn storage_of(storage: &Storage) -> StateStorage {
+    match storage {
+        Storage::Exact => StateStorage::Memory,
+        Storage::Compact => StateStorage::Fingerprints,
+        Storage::Disk(space) => StateStorage::Files(Spill::new(space.clone())),
     }
 }

@@ -218,6 +218,8 @@ fn a_full_or_unreadable_disk_gives_no_verdict() {
         let space = Storage::Disk(Arc::new(Unreadable));
         for storage in [Limited::of(0), Limited::of(70_000), space] {
             let refusal = with(&text, &options, storage).err().unwrap();
+            let number = refusal.report.diagnostics[0].code.name;
+            assert_eq!(number, "M013");
             let message = &refusal.report.diagnostics[0].message;
             assert!(
                 message.starts_with("the states that were found cannot be stored: "),
@@ -225,4 +227,12 @@ fn a_full_or_unreadable_disk_gives_no_verdict() {
             );
         }
     }
+}
+
+#[test]
+fn a_full_disk_is_reported_with_a_way_out() {
+    let text = "asm disk\nimport StandardLibrary\nsignature:\n  domain Small subsetof Integer\n  controlled n: Small\n\
+        definitions:\n  domain Small = {0 : 100}\n  main rule r_Main = n := (n + 1) mod 101\ndefault init s0:\n  function n = 0\n";
+    let refusal = with(text, &Options::default(), Limited::of(0)).err();
+    insta::assert_snapshot!("M013", crate::refused(&refusal.unwrap()));
 }

@@ -1,6 +1,6 @@
 //! Runs of composites as runs of the verified specification alone: with all values of its inputs, as its environment has set them.
 
-use super::{Verify, avalla, export, itf};
+use super::{Verify, avalla, itf, run_files};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use crate::verification::is_own;
@@ -24,7 +24,7 @@ pub struct ProjectedRun {
 impl ProjectedRun {
     /// Returns the run that shows the first violation, or else a possibility.
     pub fn of(verification: &Verification, environment: &ModelledEnvironment) -> Option<Self> {
-        let (property, run) = export::shown(verification)?;
+        let (property, run) = run_files::shown(verification)?;
         let sources = &verification.machines.first()?.specification.sources;
         Some(Self {
             property: property.clone(),
@@ -125,7 +125,7 @@ impl Verify {
                 }
             }
         }
-        export::save(&files, terminal)
+        run_files::save(&files, terminal)
     }
 }
 

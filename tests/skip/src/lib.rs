@@ -56,6 +56,13 @@ pub const GENPY: Requirement<'_> = Requirement {
     remedy: "Install Debian's package `python3-genpy`, or run `./test`",
 };
 
+/// Packages of Python.
+pub const PYPI: Requirement<'_> = Requirement {
+    name: "pypi",
+    tests: "the tests with packages of Python",
+    remedy: "Make PyPI reachable for `pip install`",
+};
+
 /// RabbitMQ.
 pub const BROKER: Requirement<'_> = Requirement {
     name: "broker",

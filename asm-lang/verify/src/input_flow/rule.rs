@@ -1,6 +1,6 @@
 //! The flow of values through rules.
 
-use super::{EscapeUse, Flow, Frame, InputFlow, Point};
+use super::{EscapeUse, Denotation, Frame, InputFlow, Point};
 use asmotion_lang::ir::{AssignTarget, Binder, Origin, Rule, RuleNode, Term};
 
 impl InputFlow<'_> {
@@ -20,7 +20,7 @@ impl InputFlow<'_> {
                 if let Some(target) = target {
                     let result = self.program.dense_function(self.program.result);
                     let result = result.map(|id| self.at(Point::Function(id)));
-                    self.assign(target, result.unwrap_or_else(Flow::any), rule.origin);
+                    self.assign(target, result.unwrap_or_else(Denotation::any), rule.origin);
                 }
             }
             RuleNode::Call(routine, arguments) => self.call(Frame::Routine(*routine), arguments),
@@ -61,7 +61,7 @@ impl InputFlow<'_> {
             }
             RuleNode::Extend(_, locals, body) => {
                 for local in locals {
-                    self.variable(*local, Flow::any());
+                    self.variable(*local, Denotation::any());
                 }
                 self.rule(body);
             }
@@ -71,7 +71,7 @@ impl InputFlow<'_> {
                 self.rule(body);
             }
             RuleNode::Local { run, initial, body } => {
-                self.variable(*run, Flow::any());
+                self.variable(*run, Denotation::any());
                 for rule in initial {
                     self.rule(rule);
                 }
@@ -79,7 +79,7 @@ impl InputFlow<'_> {
             }
             RuleNode::Draw(drawn, body) => {
                 for (local, ..) in drawn {
-                    self.variable(*local, Flow::any());
+                    self.variable(*local, Denotation::any());
                 }
                 self.rule(body);
             }
@@ -93,7 +93,7 @@ impl InputFlow<'_> {
         self.rule(body);
     }
 
-    fn assign(&mut self, target: &AssignTarget, flow: Flow, origin: Origin) {
+    fn assign(&mut self, target: &AssignTarget, flow: Denotation, origin: Origin) {
         match target {
             AssignTarget::Local(local) => self.variable(*local, flow),
             AssignTarget::Slot(function, _) => self.store(*function, flow, origin),

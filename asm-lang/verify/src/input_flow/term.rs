@@ -1,22 +1,22 @@
 //! The flow of values through terms.
 
-use super::{EscapeUse, Flow, Frame, InputFlow, MAX_LISTED, Point, integers};
+use super::{EscapeUse, Denotation, Frame, InputFlow, MAX_LISTED, Point, integers};
 use asmotion_lang::Value;
 use asmotion_lang::ir::{Arithmetic, Binder, Comparison, Origin, Term, TermNode};
 use asmotion_lang::stdlib::{Builtin, BuiltinContext};
 
 impl InputFlow<'_> {
     /// Returns what a term can denote.
-    pub(super) fn term(&mut self, term: &Term) -> Flow {
+    pub(super) fn term(&mut self, term: &Term) -> Denotation {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term))
     }
 
-    fn term_here(&mut self, term: &Term) -> Flow {
+    fn term_here(&mut self, term: &Term) -> Denotation {
         match &*term.node {
-            TermNode::Constant(Value::Undef) | TermNode::Unbound => Flow::nothing(),
-            TermNode::Constant(value) => Flow::listed([value.clone()]),
+            TermNode::Constant(Value::Undef) | TermNode::Unbound => Denotation::nothing(),
+            TermNode::Constant(value) => Denotation::listed([value.clone()]),
             TermNode::Local(local) => self.at(Point::Variable(self.frame, *local)),
-            TermNode::Agent => Flow::any(),
+            TermNode::Agent => Denotation::any(),
             TermNode::Slot(function, _) => self.location(*function, term.origin),
             TermNode::Location(function, arguments) => {
                 self.need_all(arguments, &EscapeUse::Argument(*function));
@@ -32,7 +32,7 @@ impl InputFlow<'_> {
             TermNode::Builtin(builtin, arguments) => self.builtin(builtin, arguments, term.origin),
             TermNode::Equal(left, right) => {
                 self.compare(left, right, false, term.origin);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Compare(
                 Comparison::Lt | Comparison::Le | Comparison::Gt | Comparison::Ge,
@@ -40,7 +40,7 @@ impl InputFlow<'_> {
                 right,
             ) => {
                 self.compare(left, right, true, term.origin);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Arithmetic(operation, left, right) => {
                 self.arithmetic(*operation, left, right)
@@ -68,11 +68,11 @@ impl InputFlow<'_> {
             TermNode::Logic(_, left, right) => {
                 self.need(left, &EscapeUse::Other);
                 self.need(right, &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Tuple(terms) | TermNode::Listed(_, terms) => {
                 self.need_all(terms, &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Not(term)
             | TermNode::Component(term, _)
@@ -80,33 +80,33 @@ impl InputFlow<'_> {
             | TermNode::Name(term)
             | TermNode::Named(_, term) => {
                 self.need(term, &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Quantified(_, binders, condition) => {
                 self.bind_all(binders);
                 self.need_all(condition, &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Interval(_, from, to, step) => {
                 self.need_all([from, to].into_iter().chain(step), &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Collect(_, binders, guard, item) => {
                 self.bind_all(binders);
                 self.need_all(guard.iter().chain([item]), &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::Map(pairs) => {
                 let terms = pairs.iter().flat_map(|(key, value)| [key, value]);
                 self.need_all(terms, &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
             TermNode::CollectMap(binders, guard, key, value) => {
                 self.bind_all(binders);
                 self.need_all(guard.iter().chain([key, value]), &EscapeUse::Other);
-                Flow::any()
+                Denotation::any()
             }
-            TermNode::Extent(_) => Flow::any(),
+            TermNode::Extent(_) => Denotation::any(),
         }
     }
 
@@ -127,19 +127,19 @@ impl InputFlow<'_> {
     }
 
     /// Returns what the elements of a collection can be.
-    pub(super) fn elements(&mut self, term: &Term) -> Flow {
+    pub(super) fn elements(&mut self, term: &Term) -> Denotation {
         let node = &*term.node;
         if let TermNode::Cached(_, term) | TermNode::Watched(term) | TermNode::Pre(term) = node {
             return self.elements(term);
         }
         if let TermNode::Constant(Value::Set(items)) = node {
-            return Flow::listed(items.iter().cloned());
+            return Denotation::listed(items.iter().cloned());
         }
         if let TermNode::Constant(Value::Seq(items)) = node {
-            return Flow::listed(items.iter().cloned());
+            return Denotation::listed(items.iter().cloned());
         }
         if let TermNode::Listed(_, items) = node {
-            let mut flow = Flow::nothing();
+            let mut flow = Denotation::nothing();
             for item in items {
                 flow = flow.or(self.term(item));
             }
@@ -164,16 +164,16 @@ impl InputFlow<'_> {
             return then.or(self.elements(otherwise));
         }
         self.need(term, &EscapeUse::Other);
-        Flow::any()
+        Denotation::any()
     }
 
     /// The application of a library function.
-    fn builtin(&mut self, builtin: &'static Builtin, arguments: &[Term], origin: Origin) -> Flow {
+    fn builtin(&mut self, builtin: &'static Builtin, arguments: &[Term], origin: Origin) -> Denotation {
         if let [left, right] = arguments {
             let is_order = ["lt", "le", "gt", "ge"].contains(&builtin.name);
             if is_order || ["eq", "neq"].contains(&builtin.name) {
                 self.compare(left, right, is_order, origin);
-                return Flow::any();
+                return Denotation::any();
             }
         }
         if ["isDef", "isUndef"].contains(&builtin.name) {
@@ -181,7 +181,7 @@ impl InputFlow<'_> {
             for argument in arguments {
                 self.term(argument);
             }
-            return Flow::any();
+            return Denotation::any();
         }
         let mut flows = Vec::new();
         for argument in arguments {
@@ -191,7 +191,7 @@ impl InputFlow<'_> {
     }
 
     /// Returns the results of a function of numbers for all combinations of listed arguments.
-    fn results(&self, builtin: &Builtin, arguments: &[Flow]) -> Flow {
+    fn results(&self, builtin: &Builtin, arguments: &[Denotation]) -> Denotation {
         let mut rows: Vec<Vec<Value>> = vec![Vec::new()];
         for argument in arguments {
             let Some(values) = argument
@@ -199,10 +199,10 @@ impl InputFlow<'_> {
                 .as_ref()
                 .filter(|_| argument.inputs.is_empty())
             else {
-                return Flow::any();
+                return Denotation::any();
             };
             if !values.iter().all(is_number) || rows.len() * values.len() > MAX_LISTED {
-                return Flow::any();
+                return Denotation::any();
             }
             let longer = rows.iter().flat_map(|row| {
                 values.iter().map(|value| {
@@ -215,7 +215,7 @@ impl InputFlow<'_> {
         }
         // without arguments, a function depends on something else, such as the time
         if arguments.is_empty() || builtin.prints() || builtin.name.starts_with("random") {
-            return Flow::any();
+            return Denotation::any();
         }
         let names = self.machine.naming();
         let mut results = Vec::new();
@@ -229,13 +229,13 @@ impl InputFlow<'_> {
                 Ok(value) if is_number(&value) => results.push(value),
                 // a step that fails has no result
                 Ok(Value::Undef) | Err(_) => {}
-                Ok(_) => return Flow::any(),
+                Ok(_) => return Denotation::any(),
             }
         }
-        Flow::listed(results)
+        Denotation::listed(results)
     }
 
-    fn arithmetic(&mut self, operation: Arithmetic, left: &Term, right: &Term) -> Flow {
+    fn arithmetic(&mut self, operation: Arithmetic, left: &Term, right: &Term) -> Denotation {
         let sign = match operation {
             Arithmetic::Plus => "+",
             Arithmetic::Minus => "-",
@@ -246,10 +246,10 @@ impl InputFlow<'_> {
         let right = self.need(right, &EscapeUse::Operand(sign));
         let are_inputs = !(left.inputs.is_empty() && right.inputs.is_empty());
         let (Some(left), Some(right), false) = (left.values, right.values, are_inputs) else {
-            return Flow::any();
+            return Denotation::any();
         };
         if left.len() * right.len() > MAX_LISTED * MAX_LISTED / 16 {
-            return Flow::any();
+            return Denotation::any();
         }
         let pairs = left
             .iter()
@@ -267,7 +267,7 @@ impl InputFlow<'_> {
                 Arithmetic::Mod => Some(left.wrapping_rem(*right)),
             }
         });
-        Flow::listed(results.map(Value::Int))
+        Denotation::listed(results.map(Value::Int))
     }
 }
 
@@ -276,19 +276,19 @@ fn is_number(value: &Value) -> bool {
 }
 
 /// Returns the integers from the least first bound to the greatest second one.
-fn interval(from: &Flow, to: &Flow) -> Flow {
+fn interval(from: &Denotation, to: &Denotation) -> Denotation {
     let integer = |value: Option<&Value>| match value {
         Some(Value::Int(number)) => Some(*number),
         Some(_) | None => None,
     };
     let (Some(from), Some(to)) = (&from.values, &to.values) else {
-        return Flow::any();
+        return Denotation::any();
     };
     let all_integers = from.iter().chain(to).all(|it| matches!(it, Value::Int(_)));
     match (integer(from.first()), integer(to.last())) {
         (Some(low), Some(high)) if all_integers => integers(low, high),
         // without a bound there is no element
-        _ if all_integers => Flow::nothing(),
-        _ => Flow::any(),
+        _ if all_integers => Denotation::nothing(),
+        _ => Denotation::any(),
     }
 }

@@ -29,6 +29,14 @@ use crate::nearest::Nearest;
 /// protocol = "example.asm"
 /// ports.in = { command = "std_msgs/Bool" }
 /// ports.out = { finished = "std_msgs/Bool" }
+///
+/// [components.Panel]
+/// implementation = { process = "panel" }
+/// ports.out = { command = "std_msgs/Bool" }
+///
+/// [[connections]]
+/// from = "Panel.command"
+/// to = "Gripper.command"
 /// ```
 ///
 /// Corrected, with the port that the function stands for:

@@ -8,6 +8,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// ```asm
 /// asm example
+/// import StandardLibrary
 /// signature:
 ///   enum domain Speed = {SLOW | FAST}
 ///   //@Port speed.data
@@ -28,6 +29,14 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// protocol = "example.asm"
 /// ports.in = { speed = "std_msgs/Float64" }
 /// ports.out = { done = "std_msgs/Bool" }
+///
+/// [components.Panel]
+/// implementation = { process = "panel" }
+/// ports.out = { speed = "std_msgs/Float64" }
+///
+/// [[connections]]
+/// from = "Panel.speed"
+/// to = "Gripper.speed"
 /// ```
 ///
 /// Corrected, with what the protocol can know of a number, its arrival:

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Distribution;
+use crate::distribution::Distribution;
 use crate::definition::{Element, Interface, Structure};
 use crate::error::{DefinitionError, DefinitionProblem};
 use crate::name::InterfaceName;

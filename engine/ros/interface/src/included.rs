@@ -6,7 +6,7 @@
 
 use std::sync::LazyLock;
 
-use crate::Distribution;
+use crate::distribution::Distribution;
 use crate::catalogue::Catalogue;
 
 /// The line before a definition.

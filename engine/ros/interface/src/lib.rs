@@ -15,6 +15,7 @@
 
 mod catalogue;
 mod definition;
+mod distribution;
 mod error;
 mod folder;
 mod included;
@@ -27,16 +28,8 @@ mod type_hash;
 
 pub use catalogue::Catalogue;
 pub use definition::{Constant, Count, Element, Field, FieldType, Interface, Primitive, Structure};
+pub use distribution::Distribution;
 pub use error::{DefinitionError, DefinitionProblem, FolderError};
 pub use md5::Md5Sum;
 pub use name::{InterfaceKind, InterfaceName, NameError};
 pub use type_hash::TypeHash;
-
-/// The two generations of ROS, which differ in built-in types, in checksums and on the wire.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Distribution {
-    /// ROS 1, as of Noetic.
-    Ros1,
-    /// ROS 2, as of Jazzy.
-    Ros2,
-}

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::Distribution;
+use crate::distribution::Distribution;
 use crate::definition::{
     Constant, Count, Element, Field, FieldType, Interface, Primitive, Structure,
 };

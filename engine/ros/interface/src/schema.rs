@@ -2,7 +2,7 @@
 
 use asmotion_datum::{OutlineKey, Schema, Shape};
 
-use crate::Distribution;
+use crate::distribution::Distribution;
 use crate::catalogue::Catalogue;
 use crate::definition::{Count, Element, Field, Interface, Primitive, Structure};
 use crate::error::{DefinitionError, DefinitionProblem};
