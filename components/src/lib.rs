@@ -54,7 +54,10 @@ pub const PROTOCOLS: &[(&str, &str)] = &[
     ("nav::Operator", asmotion_operator::PROTOCOL),
     ("nav::sim::RoverDriver", asmotion_rover::PROTOCOL),
     ("nav::sim::LaserDriver", asmotion_laser::PROTOCOL),
-    ("nav::CollisionMonitor", asmotion_collision_monitor::PROTOCOL),
+    (
+        "nav::CollisionMonitor",
+        asmotion_collision_monitor::PROTOCOL,
+    ),
 ];
 
 /// Returns the operations of an interface.

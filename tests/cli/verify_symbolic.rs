@@ -44,7 +44,7 @@ fn its_runs_are_repeated_by_other_commands() {
     assert_eq!(exit, 0, "{err}");
     let (exit, out, err) = run(&["test", &scenario]);
     assert_eq!(exit, 1, "{out}{err}");
-    assert!(out.contains("level"), "{out}");
+    assert!(err.contains("check level < 3;"), "{err}");
     let text = std::fs::read_to_string(&itf).unwrap();
     let itf: serde_json::Value = serde_json::from_str(&text).unwrap();
     let states = itf["states"].as_array().unwrap();

@@ -412,7 +412,13 @@ impl InputFlow<'_> {
         self.compared(&right, &left, is_order, origin);
     }
 
-    fn compared(&mut self, inputs: &Denotation, other: &Denotation, is_order: bool, origin: Origin) {
+    fn compared(
+        &mut self,
+        inputs: &Denotation,
+        other: &Denotation,
+        is_order: bool,
+        origin: Origin,
+    ) {
         for input in &inputs.inputs {
             let usage = match (other.inputs.first(), &other.values) {
                 (Some(other), _) => EscapeUse::ComparedWithInput(*other),

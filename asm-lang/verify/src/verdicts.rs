@@ -21,6 +21,29 @@ pub(crate) enum NodeProperty {
 }
 
 impl Prepared {
+    /// Returns the text of the condition that is false at the end of a path that shows the violation of a formula.
+    pub fn violated_at_end(&self, formula: &Formula) -> Option<String> {
+        match formula {
+            Formula::Condition(index) => {
+                let text = self.texts.get(*index);
+                // a variable of a quantifier has no meaning outside of it
+                text.filter(|text| !text.contains('$')).cloned()
+            }
+            Formula::Apply(
+                Operator::Ag | Operator::Ax | Operator::Globally | Operator::Next,
+                operands,
+            ) => self.violated_at_end(operands.first()?),
+            Formula::Apply(Operator::Implies, operands) => match operands.as_slice() {
+                [cause, effect] if cause.is_condition() && !effect.is_condition() => {
+                    self.violated_at_end(effect)
+                }
+                _ => None,
+            },
+            Formula::Repeat(Operator::Ax, _, operand) => self.violated_at_end(operand),
+            Formula::Constant(_) | Formula::Apply(..) | Formula::Repeat(..) => None,
+        }
+    }
+
     /// Returns `true` if a property needs the transitions.
     pub fn needs_graph(&self) -> bool {
         let mut properties = self.properties.iter();
@@ -137,7 +160,7 @@ impl<S: TransitionSystem> Judge<'_, S> {
         };
         let mut run = self.simplest((0..exploration.nodes()).filter(is_found));
         if let Some(run) = run.as_mut().filter(|_| which == NodeProperty::All) {
-            run.violated = self.violated_at_end(formula);
+            run.violated = self.prepared.violated_at_end(formula);
         }
         match (which, run, exploration.incomplete) {
             (NodeProperty::All, Some(run), _) => Verdict::Violated(Some(run)),
@@ -165,7 +188,7 @@ impl<S: TransitionSystem> Judge<'_, S> {
             let path = self.simplest_violation(property, path);
             let mut run = run(&path);
             if path.cycle.is_none() {
-                run.violated = self.violated_at_end(&property.formula);
+                run.violated = self.prepared.violated_at_end(&property.formula);
             }
             return Ok(Verdict::Violated(Some(run)));
         }
@@ -178,29 +201,6 @@ impl<S: TransitionSystem> Judge<'_, S> {
             notes.push(Note::Irrelevant(irrelevant));
         }
         Ok(Verdict::Holds(checked.witness.as_ref().map(run)))
-    }
-
-    /// Returns the text of the condition that is false at the end of a path that shows the violation of a formula.
-    fn violated_at_end(&self, formula: &Formula) -> Option<String> {
-        match formula {
-            Formula::Condition(index) => {
-                let text = self.prepared.texts.get(*index);
-                // a variable of a quantifier has no meaning outside of it
-                text.filter(|text| !text.contains('$')).cloned()
-            }
-            Formula::Apply(
-                Operator::Ag | Operator::Ax | Operator::Globally | Operator::Next,
-                operands,
-            ) => self.violated_at_end(operands.first()?),
-            Formula::Apply(Operator::Implies, operands) => match operands.as_slice() {
-                [cause, effect] if cause.is_condition() && !effect.is_condition() => {
-                    self.violated_at_end(effect)
-                }
-                _ => None,
-            },
-            Formula::Repeat(Operator::Ax, _, operand) => self.violated_at_end(operand),
-            Formula::Constant(_) | Formula::Apply(..) | Formula::Repeat(..) => None,
-        }
     }
 
     /// Returns the simplest of the shortest runs to nodes, which are given in the order of their depth.

@@ -232,7 +232,7 @@ fn a_full_or_unreadable_disk_gives_no_verdict() {
 #[test]
 fn a_full_disk_is_reported_with_a_way_out() {
     let text = "asm disk\nimport StandardLibrary\nsignature:\n  domain Small subsetof Integer\n  controlled n: Small\n\
-        definitions:\n  domain Small = {0 : 100}\n  main rule r_Main = n := (n + 1) mod 101\ndefault init s0:\n  function n = 0\n";
+        definitions:\n  domain Small = {0 : 5000}\n  main rule r_Main = n := (n + 1) mod 5001\ndefault init s0:\n  function n = 0\n";
     let refusal = with(text, &Options::default(), Limited::of(0)).err();
     insta::assert_snapshot!("M013", crate::refused(&refusal.unwrap()));
 }

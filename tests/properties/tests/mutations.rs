@@ -12,8 +12,8 @@ use asmotion_messages::{
 };
 use asmotion_mqueue::QueueLayout;
 use asmotion_robustness::{
-    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_definition, ros_message,
-    scdl,
+    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_definition,
+    ros_message, scdl,
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,6 +1,6 @@
 //! The flow of values through rules.
 
-use super::{EscapeUse, Denotation, Frame, InputFlow, Point};
+use super::{Denotation, EscapeUse, Frame, InputFlow, Point};
 use asmotion_lang::ir::{AssignTarget, Binder, Origin, Rule, RuleNode, Term};
 
 impl InputFlow<'_> {

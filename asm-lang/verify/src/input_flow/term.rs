@@ -1,6 +1,6 @@
 //! The flow of values through terms.
 
-use super::{EscapeUse, Denotation, Frame, InputFlow, MAX_LISTED, Point, integers};
+use super::{Denotation, EscapeUse, Frame, InputFlow, MAX_LISTED, Point, integers};
 use asmotion_lang::Value;
 use asmotion_lang::ir::{Arithmetic, Binder, Comparison, Origin, Term, TermNode};
 use asmotion_lang::stdlib::{Builtin, BuiltinContext};
@@ -168,7 +168,12 @@ impl InputFlow<'_> {
     }
 
     /// The application of a library function.
-    fn builtin(&mut self, builtin: &'static Builtin, arguments: &[Term], origin: Origin) -> Denotation {
+    fn builtin(
+        &mut self,
+        builtin: &'static Builtin,
+        arguments: &[Term],
+        origin: Origin,
+    ) -> Denotation {
         if let [left, right] = arguments {
             let is_order = ["lt", "le", "gt", "ge"].contains(&builtin.name);
             if is_order || ["eq", "neq"].contains(&builtin.name) {

@@ -156,7 +156,13 @@ impl<'a> SymbolicJudge<'a> {
         let shortest = self.model.shortest(self.reached, &set)?;
         let run = shortest.map(|sets| {
             let nodes = self.symbolic.walk(self.model, &sets);
-            nodes.map(|nodes| Box::new(self.symbolic.replay(nodes, None)))
+            nodes.map(|nodes| {
+                let mut run = self.symbolic.replay(nodes, None);
+                if which == NodeProperty::All {
+                    run.violated = self.symbolic.properties.violated_at_end(formula);
+                }
+                Box::new(run)
+            })
         });
         Ok(match (which, run, self.is_complete()) {
             (NodeProperty::All, Some(run), _) => Verdict::Violated(run),

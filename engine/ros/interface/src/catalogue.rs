@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::distribution::Distribution;
 use crate::definition::{Element, Interface, Structure};
+use crate::distribution::Distribution;
 use crate::error::{DefinitionError, DefinitionProblem};
 use crate::name::InterfaceName;
 use crate::parse;

@@ -6,8 +6,8 @@
 
 use std::sync::LazyLock;
 
-use crate::distribution::Distribution;
 use crate::catalogue::Catalogue;
+use crate::distribution::Distribution;
 
 /// The line before a definition.
 pub(crate) const HEADING: &str = "=== ";

@@ -4,10 +4,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::distribution::Distribution;
 use crate::definition::{
     Constant, Count, Element, Field, FieldType, Interface, Primitive, Structure,
 };
+use crate::distribution::Distribution;
 use crate::error::{DefinitionError, DefinitionProblem};
 use crate::name::{InterfaceKind, InterfaceName, is_identifier};
 

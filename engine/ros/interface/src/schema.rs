@@ -2,9 +2,9 @@
 
 use asmotion_datum::{OutlineKey, Schema, Shape};
 
-use crate::distribution::Distribution;
 use crate::catalogue::Catalogue;
 use crate::definition::{Count, Element, Field, Interface, Primitive, Structure};
+use crate::distribution::Distribution;
 use crate::error::{DefinitionError, DefinitionProblem};
 use crate::name::InterfaceName;
 
