@@ -92,7 +92,11 @@ fn by_implementation(plan: &Plan, found: BTreeMap<String, ComponentConformance>)
         let planned = plan.component(&component).expect("a component");
         let name = match &planned.implementation {
             Implementation::Rust(name) => name.clone(),
-            _ => component,
+            Implementation::Asm { .. }
+            | Implementation::Builtin { .. }
+            | Implementation::Process { .. }
+            | Implementation::Ros { .. }
+            | Implementation::Orocos { .. } => component,
         };
         merge(&mut all, name, found);
     }
@@ -108,13 +112,14 @@ fn merge(all: &mut Conformance, name: String, found: ComponentConformance) {
 }
 
 /// Runs all scenarios, and puts together what was observed.
+#[expect(clippy::print_stderr, reason = "names the scenario if a test fails")]
 pub fn observed(scenarios: &[Scenario], files: &Files) -> Conformance {
     let mut all = Conformance::new();
     for scenario in scenarios {
         for (name, found) in scenario.observed(files) {
             if let Some((at, deviation)) = &found.deviation {
                 let seconds = at.nanos() as f64 * 1e-9;
-                println!(
+                eprintln!(
                     "{} {} at {seconds} s: {name}: {deviation}",
                     scenario.composite, scenario.seed
                 );

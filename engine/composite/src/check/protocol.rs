@@ -93,7 +93,7 @@ impl CheckedProtocol<'_, '_> {
         }
         let found = match self.end(end, is_output, at) {
             Ok(found) => found,
-            Err(missing) => return report.found(missing),
+            Err(missing) => return report.found(*missing),
         };
         let codomain = &function.codomain;
         match found {
@@ -118,14 +118,19 @@ impl CheckedProtocol<'_, '_> {
                         ));
                     }
                     Ok(_) => {}
-                    Err(missing) => report.found(missing),
+                    Err(missing) => report.found(*missing),
                 }
             }
         }
     }
 
     /// Finds what an end stands for: a port, or an operation of a service or through a reference.
-    fn end(&self, end: &str, is_output: bool, at: Span) -> Result<ProtocolEnd, UnknownProtocolEnd> {
+    fn end(
+        &self,
+        end: &str,
+        is_output: bool,
+        at: Span,
+    ) -> Result<ProtocolEnd, Box<UnknownProtocolEnd>> {
         let face = &self.part.face;
         let (ports, what) = if is_output {
             (&face.outputs, PortDirection::Out.word())
@@ -163,7 +168,7 @@ impl CheckedProtocol<'_, '_> {
                 known.extend(self.operations(reference));
             }
         }
-        Err(self.unknown(what, end, known, at))
+        Err(Box::new(self.unknown(what, end, known, at)))
     }
 
     /// Returns the type of an operation's request; `None` if it is not known.
@@ -172,7 +177,7 @@ impl CheckedProtocol<'_, '_> {
         service: &EndpointService,
         name: &str,
         at: Span,
-    ) -> Result<Option<Schema>, UnknownProtocolEnd> {
+    ) -> Result<Option<Schema>, Box<UnknownProtocolEnd>> {
         let Some(operations) = self.scene.catalogue.operations(&service.interface.text) else {
             return Ok(None);
         };
@@ -180,7 +185,12 @@ impl CheckedProtocol<'_, '_> {
             Some(operation) => Ok(Some(operation.request.clone())),
             None => {
                 let end = format!("{}.{name}", service.name.text);
-                Err(self.unknown("operation", &end, self.operations(service), at))
+                Err(Box::new(self.unknown(
+                    "operation",
+                    &end,
+                    self.operations(service),
+                    at,
+                )))
             }
         }
     }
@@ -204,7 +214,7 @@ impl CheckedProtocol<'_, '_> {
         schema: Option<Schema>,
         field: Option<&str>,
         at: Span,
-    ) -> Result<Option<Schema>, UnknownProtocolEnd> {
+    ) -> Result<Option<Schema>, Box<UnknownProtocolEnd>> {
         let Some(mut here) = schema else {
             return Ok(None);
         };
@@ -215,7 +225,7 @@ impl CheckedProtocol<'_, '_> {
             let Some(part) = here.part(step) else {
                 let fields = here.fields().iter();
                 let known = fields.map(|it| it.name.to_string()).collect();
-                return Err(self.unknown("field", step, known, at));
+                return Err(Box::new(self.unknown("field", step, known, at)));
             };
             here = part.clone();
         }
@@ -252,7 +262,7 @@ impl CheckedProtocol<'_, '_> {
                 continue;
             };
             if let Err(missing) = self.within(self.schema(port), Some(field), at) {
-                report.found(missing);
+                report.found(*missing);
             }
         }
     }

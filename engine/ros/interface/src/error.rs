@@ -84,7 +84,7 @@ pub enum FolderError {
         /// The file.
         path: PathBuf,
         /// Reason.
-        error: DefinitionError,
+        error: Box<DefinitionError>,
     },
     /// The folder has no definition.
     #[error("{}: no definitions `PACKAGE/msg/NAME.msg`, `srv/NAME.srv` or `action/NAME.action`", .0.display())]

@@ -44,7 +44,7 @@ impl Catalogue {
             self.define(name.clone(), &text)
                 .map_err(|error| FolderError::Definition {
                     path: path.clone(),
-                    error,
+                    error: Box::new(error),
                 })?;
         }
         Ok(files.len())

@@ -47,9 +47,9 @@ impl InterfaceKind {
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct InterfaceName {
-    package: String,
+    package: Box<str>,
     kind: InterfaceKind,
-    name: String,
+    name: Box<str>,
 }
 
 /// A text is not the name of an interface.
@@ -71,18 +71,18 @@ impl InterfaceName {
             return Err(NameError { text });
         }
         Ok(Self {
-            package: package.to_owned(),
+            package: package.into(),
             kind,
-            name: name.to_owned(),
+            name: name.into(),
         })
     }
 
     /// The name of a message. Both parts are identifiers.
     pub(crate) fn message(package: &str, name: &str) -> Self {
         Self {
-            package: package.to_owned(),
+            package: package.into(),
             kind: InterfaceKind::Message,
-            name: name.to_owned(),
+            name: name.into(),
         }
     }
 
@@ -109,7 +109,7 @@ impl InterfaceName {
     /// The name of a part of this service or action, of the same package and kind: `Fibonacci_Goal`.
     pub(crate) fn part(&self, suffix: &str) -> Self {
         Self {
-            name: format!("{}_{suffix}", self.name),
+            name: format!("{}_{suffix}", self.name).into(),
             ..self.clone()
         }
     }
