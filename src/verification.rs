@@ -210,7 +210,7 @@ pub fn with_origins(verification: &mut Verification, environment: &ModelledEnvir
 /// The result of a verification before the start of a composite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StartVerification {
-    /// What is violated, not known or not possible; empty if all properties hold.
+    /// Properties that are violated, not known or not possible; empty if all hold.
     pub findings: Vec<String>,
 }
 

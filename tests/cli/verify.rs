@@ -511,3 +511,60 @@ fn storage_that_fails_or_does_not_fit_is_refused() {
     let (exit, _, err) = run(&["verify", LAMP, "--threads", "0"]);
     assert_eq!(exit, 2, "{err}");
 }
+
+#[test]
+fn a_cone_says_which_locations_are_left_out_and_nothing_about_paths() {
+    let recovery = "specs/recovery/recovery.asm";
+    let property = ["--property", "ag(mode = WAIT iff outstanding)"];
+    let (exit, out, err) =
+        run(&[&["verify", recovery, "--cone", "--json"], &property[..]].concat());
+    assert_eq!((exit, err.as_str()), (0, ""), "{out}");
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let left_out = ["sendCall", "cancelCall", "recovery", "nextRec"];
+    assert_eq!(json["left_out"], serde_json::json!(left_out));
+    assert_eq!((&json["states"], &json["ends"]), (&16.into(), &0.into()));
+    let (exit, out, _) = run(&[&["verify", recovery, "--cone"], &property[..]].concat());
+    assert_eq!(exit, 0);
+    let note = "note locations were left out on which the properties do not depend: of sendCall,";
+    assert!(
+        out.contains(note) && !out.contains("no step leads on"),
+        "{out}"
+    );
+    // the general properties are about all locations
+    let (exit, _, err) = run(&["verify", recovery, "--cone"]);
+    assert!(exit == 2 && err.contains("needs `--property`"), "{err}");
+}
+
+#[test]
+fn symmetry_names_the_domains_and_says_when_it_has_no_effect() {
+    let text = "asm workers
+import StandardLibrary
+signature:
+  enum domain Worker = {ANN | BOB | CID}
+  enum domain State = {IDLE | BUSY}
+  controlled state: Worker -> State
+definitions:
+  invariant one over state: not (forall $w in Worker with state($w) = BUSY)
+  main rule r_Main = choose $w in Worker with state($w) = IDLE do state($w) := BUSY
+default init s0:
+  function state($w in Worker) = IDLE
+";
+    let (_folder, path) = file("workers.asm", text);
+    let states = |arguments: &[&str]| {
+        let (exit, out, err) = run(&[&["verify", &path, "--json"], arguments].concat());
+        assert_eq!((exit, err.as_str()), (1, ""), "{out}");
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        (json["states"].clone(), json["symmetric"].clone())
+    };
+    let nothing = serde_json::json!([]);
+    assert_eq!(states(&[]), (8.into(), nothing));
+    let (few, symmetric) = states(&["--symmetry"]);
+    assert_eq!(few, 4);
+    assert!(symmetric.to_string().contains("Worker"), "{symmetric}");
+    let allocation = "specs/allocation/allocation.asm";
+    let (exit, out, _) = run(&["verify", allocation, "--symmetry"]);
+    assert!(
+        exit == 0 && out.contains("note `--symmetry` has no effect: "),
+        "{out}"
+    );
+}

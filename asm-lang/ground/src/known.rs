@@ -1,4 +1,4 @@
-//! What terms and variables stand for during grounding.
+//! Values of terms and variables during grounding.
 
 use crate::program::{FAULT, GroundTerm, Sort, UNDEF};
 use asmotion_value::Value;

@@ -32,7 +32,7 @@ impl Witness {
     pub const ROUNDS: u32 = 10_000;
 }
 
-/// How a step came to its updates.
+/// The reasons for the updates of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepAccount {
     /// The updates, each with the rules and calls that led to it, outermost first.

@@ -23,7 +23,7 @@ const TURNS: usize = 7;
 /// Approximate duration of a turn.
 const TURN: Duration = Duration::from_millis(40);
 
-/// What each agent does in a step.
+/// The rule of each agent.
 const WORK: &str = "
   rule r_work($a in Agent_) = par
     count($a) := (count($a) * 3 + 1) mod 1009

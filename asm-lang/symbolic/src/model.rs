@@ -58,7 +58,7 @@ pub struct SymbolicModel {
     pub(crate) known_cube: Bdd,
 }
 
-/// What a model is made of.
+/// The parts of a model.
 pub struct ModelSource<'a> {
     /// The machine in its initial state.
     pub machine: &'a Machine,

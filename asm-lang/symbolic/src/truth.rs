@@ -9,7 +9,7 @@ use crate::term::many;
 use asmotion_lang::Value;
 use asmotion_lang::ir::{Binder, Comparison, Connective, Quantifier, Term, TermNode};
 
-/// Where a condition is true, false and undef; nowhere else has it a value.
+/// Sets of states in which a condition is true, false and undef; it has no value in others.
 pub(crate) struct GuardedTruth {
     pub yes: Bdd,
     pub no: Bdd,

@@ -35,7 +35,7 @@ pub(crate) struct Automaton {
 struct AutomatonState {
     /// Terms.
     obligations: Bits,
-    /// What the past operators remember.
+    /// Values that the past operators remember.
     history: Bits,
 }
 

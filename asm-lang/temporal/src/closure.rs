@@ -19,7 +19,7 @@ pub(crate) enum LtlTerm {
     Release(LtlId, LtlId),
 }
 
-/// What is known at a position of a path when an automaton reads it.
+/// The knowledge at a position of a path when an automaton reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Letter {
     /// An atom.

@@ -22,9 +22,9 @@ const RETURNS: usize = 16;
 /// A graph, or a product whose nodes and edges correspond to those of a graph, in which lassos are looked for.
 pub(crate) struct LassoSearch<'a> {
     pub(crate) rows: &'a SparseRows,
-    /// Where lassos start.
+    /// Nodes at which lassos start.
     pub(crate) from: &'a [u32],
-    /// What they consist of.
+    /// Nodes of which they consist.
     pub(crate) within: &'a Bits,
     pub(crate) origins: Option<(&'a [u32], &'a [u32])>,
     pub(crate) components: &'a FairComponents,

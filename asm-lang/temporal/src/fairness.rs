@@ -4,7 +4,7 @@ use crate::bits::Bits;
 use crate::error::TemporalError;
 use crate::rows::SparseRows;
 
-/// What occurs infinitely often: a visit to one of some nodes, or a step along one of some edges.
+/// An event that occurs infinitely often: a visit to one of some nodes, or a step along one of some edges.
 ///
 /// Without nodes and without edges it never occurs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

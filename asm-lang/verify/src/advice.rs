@@ -142,7 +142,7 @@ impl OccurringValues {
     }
 }
 
-/// What all steps do.
+/// The effects of all steps.
 #[derive(Default)]
 struct ExaminedSteps {
     /// Updates that were executed, and whether one of them changed a location.

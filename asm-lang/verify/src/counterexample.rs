@@ -58,7 +58,7 @@ pub struct RunStep {
     pub choices: Vec<RunChoice>,
     /// Updates that change a location, sorted by location.
     pub updates: Vec<RunUpdate>,
-    /// What happened to messages before and after the step.
+    /// Events of messages before and after the step.
     pub messages: Vec<String>,
     /// The reason for which the step fails.
     pub fault: Option<Box<Diagnostic>>,
@@ -98,7 +98,7 @@ pub(crate) struct NodePath {
     pub nodes: Vec<u32>,
     /// Decisions of the steps between the nodes, if they are known; otherwise the first ones that lead there.
     pub decisions: Vec<Vec<Decision>>,
-    /// What the steps move, of the agents and rules to which fairness is due, if it matters.
+    /// Agents and rules with fairness that the steps move, if it matters.
     pub moved: Vec<MovedSet>,
     /// Index of the node to which the last one leads back.
     pub cycle: Option<usize>,

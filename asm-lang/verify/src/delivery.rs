@@ -17,11 +17,11 @@ pub(crate) struct MessageDelivery<'a> {
     pub machines: &'a mut Vec<Machine>,
     pub post: &'a mut Post,
     pub decisions: &'a Decisions,
-    /// What happens to messages, in words.
+    /// Events of messages, in words.
     pub events: &'a mut Vec<String>,
 }
 
-/// What arrives at a machine before its step.
+/// Messages that arrive at a machine before its step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Arrivals {
     /// `true` if something arrives.

@@ -26,7 +26,7 @@ pub(crate) enum ReachedState {
     Fresh(u32),
 }
 
-/// What an execution of a step leads to.
+/// The outcome of an execution of a step.
 #[derive(Debug)]
 pub(crate) enum StepOutcome {
     /// A state, and what the step moves, if fairness refers to it.
@@ -40,7 +40,7 @@ pub(crate) enum StepOutcome {
 /// The successors of one node.
 #[derive(Debug, Default)]
 pub(crate) struct NodeSuccessors {
-    /// What the executions lead to, in order. Known states are left out if transitions are not kept.
+    /// The outcomes of the executions, in order. Known states are left out if transitions are not kept.
     pub outcomes: Vec<StepOutcome>,
     /// Number of executions that update a location.
     pub updating: u64,
@@ -81,7 +81,7 @@ pub(crate) struct Expansions {
     pub observations: Vec<Observation>,
 }
 
-/// What is known of an exploration while nodes are expanded.
+/// The part of an exploration that is known while nodes are expanded.
 #[derive(Clone, Copy)]
 pub(crate) struct KnownStates<'a> {
     pub states: &'a StateStore,

@@ -1,4 +1,4 @@
-//! What an exploration finds: all states that a specification can reach, in breadth-first order.
+//! The result of an exploration: all states that a specification can reach, in breadth-first order.
 //!
 //! A *state* contains the locations that rules update. A *node* is a state together with the values of the inputs that
 //! properties mention; without such inputs, each state is one node. The nodes of a state are consecutive.
@@ -27,7 +27,7 @@ pub struct Limits {
     pub reserve: Option<usize>,
 }
 
-/// How to explore.
+/// Options of an exploration.
 #[derive(Clone, Debug)]
 pub(crate) struct ExplorationOptions {
     pub limits: Limits,
@@ -81,7 +81,7 @@ pub(crate) enum ExplorationError {
     Alternatives,
     /// The initial state cannot be computed.
     Initial(MachineFault),
-    /// What is stored outside of memory cannot be written or read.
+    /// Data outside of memory cannot be written or read.
     Storage(String),
 }
 
@@ -133,7 +133,7 @@ pub(crate) struct Conditions {
     pub assumed: Vec<usize>,
 }
 
-/// How far an exploration has come.
+/// The progress of an exploration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reached {
     /// The node to explore next.
@@ -192,7 +192,8 @@ pub(crate) struct Exploration {
     /// Edges of each explored node: its end in `targets`.
     pub edge_ends: Table<u64>,
     pub targets: Table<u32>,
-    /// What the step of each edge moves, as an index into `moved_sets`; empty if no fairness is due to agents and rules.
+    /// Agents and rules that the step of each edge moves, as an index into `moved_sets`; empty without fairness of agents and
+    /// rules.
     pub labels: Table<u32>,
     pub moved_sets: Vec<MovedSet>,
     pub keeps_edges: bool,

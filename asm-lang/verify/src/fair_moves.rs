@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Limit for the agents and rules to which fairness is due.
 pub(crate) const MAX_FAIR_MOVES: usize = 96;
 
-/// What a step moves.
+/// The agents and rules that a step moves.
 #[derive(Clone, Debug)]
 pub(crate) enum MovedBy {
     /// A rule, given by its coverage counters.
@@ -30,7 +30,7 @@ pub(crate) struct FairMove {
     pub is_strong: bool,
 }
 
-/// What a step moves: the label that the system gives the step, and above it bits for the agents and rules, in the order of
+/// The agents and rules that a step moves: the label that the system gives the step, and above it bits for the agents and rules, in the order of
 /// [`FairMoves::moves`].
 pub(crate) type MovedSet = u128;
 

@@ -134,7 +134,7 @@ enum Point {
     Result(BodyId),
 }
 
-/// What a term can denote, besides undef.
+/// The values that a term can denote, besides undef.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Denotation {
     /// Values of these inputs.
@@ -177,7 +177,7 @@ impl Denotation {
         }
     }
 
-    /// What a location can have after the value is stored in it: that of an input can be any value.
+    /// Values of a location after the value is stored in it: that of an input can be any value.
     fn stored(self) -> Self {
         Self {
             values: self.values.filter(|_| self.inputs.is_empty()),

@@ -22,7 +22,7 @@ const MAX_MOVE_PAIRS: usize = 1 << 22;
 pub(crate) struct LayeredPath {
     pub nodes: Vec<u32>,
     pub decisions: Vec<Vec<Decision>>,
-    /// What the steps move, of the agents and rules to which fairness is due.
+    /// Agents and rules with fairness that the steps move.
     pub moved: Vec<MovedSet>,
 }
 

@@ -104,7 +104,7 @@ pub(crate) struct Checker {
     graph: Graph,
     atoms: Vec<Bits>,
     fairness: Vec<Fairness>,
-    /// What the edges with each label move.
+    /// Agents and rules that the edges with each label move.
     moved_sets: Vec<MovedSet>,
 }
 

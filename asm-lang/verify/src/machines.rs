@@ -29,7 +29,7 @@ pub(crate) struct MachineSystem<'a> {
     moved: Vec<usize>,
     /// Label of the last step.
     label: u32,
-    /// What happened to messages in the last step.
+    /// Events of messages in the last step.
     events: Vec<String>,
 }
 

@@ -9,7 +9,7 @@ use asmotion_lang::ir::{FunctionKind, MessageRole, message_uses};
 use asmotion_lang::stdlib::operation as operation_name;
 use asmotion_lang::{Machine, Report, Value};
 
-/// How messages travel.
+/// The transport of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageModel {
     /// `true` if a message can be lost.

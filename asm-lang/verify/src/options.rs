@@ -1,4 +1,4 @@
-//! What is verified, and how far.
+//! The subject and the limits of a verification.
 
 use crate::explore::Limits;
 use crate::mail::{ContentValues, MessageModel};
@@ -39,7 +39,7 @@ pub enum Engine {
     Symbolic,
 }
 
-/// How the states that were found are stored.
+/// The storage of states.
 #[derive(Clone, Debug, Default)]
 pub enum Storage {
     /// In memory.
@@ -52,7 +52,7 @@ pub enum Storage {
     Disk(Arc<dyn SpillSpace>),
 }
 
-/// What is verified, and how far.
+/// The subject and the limits of a verification.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Limits of the exploration.
@@ -85,11 +85,11 @@ pub struct Options {
     /// `true` to leave out locations that the properties in `only` do not depend on, if these are about single states: see
     /// [`Verification::left_out`](crate::Verification::left_out).
     pub cone: bool,
-    /// How states are stored, if they are explored one by one.
+    /// The storage of states, if they are explored one by one.
     pub storage: Storage,
     /// Number of threads that explore states one by one; 0 counts as 1. The result does not depend on it.
     pub threads: usize,
-    /// How messages travel.
+    /// The transport of messages.
     pub messages: MessageModel,
     /// `true` to let a machine execute every step. By default, the steps of one specification over finite ranges are executed in
     /// grounded form, which is faster and gives the same result.

@@ -3,7 +3,7 @@
 use asmotion_lang::machine::{MessageId, pack_value};
 use asmotion_lang::{Machine, Value};
 
-/// What a client does with the reply to a request.
+/// The use that a client makes of the reply to a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReplyUse {
     /// A call with this id waits for it.

@@ -1,4 +1,4 @@
-//! What a term depends on: inputs, or locations that rules update.
+//! Dependencies of a term: inputs, or locations that rules update.
 
 use asmotion_lang::hir::{FunctionId, FunctionKind, Meaning, Model, Term};
 use std::collections::BTreeSet;

@@ -11,7 +11,7 @@ use asmotion_lang::{Machine, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// What one verification leaves for the next one of the same system.
+/// The exploration that one verification leaves for the next one of the same system.
 #[derive(Debug, Default)]
 pub struct KeptExploration {
     kept: Option<Kept>,

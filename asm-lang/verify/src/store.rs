@@ -5,7 +5,7 @@ use hashbrown::HashTable;
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
-/// How the states of an exploration are stored.
+/// The storage of the states of an exploration.
 #[derive(Clone, Debug, Default)]
 pub(crate) enum StateStorage {
     /// In memory.
@@ -34,7 +34,7 @@ pub(crate) struct StateStore {
     index: HashTable<u32>,
 }
 
-/// What is kept of states.
+/// The states, or their fingerprints.
 #[derive(Debug)]
 enum KeptBytes {
     All {

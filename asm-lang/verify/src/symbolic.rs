@@ -26,7 +26,7 @@ use std::cell::RefCell;
 /// Memory for diagrams if there is no limit, in bytes.
 const MEMORY: u64 = 4 << 30;
 
-/// What was found with decision diagrams.
+/// The result of an exploration with decision diagrams.
 pub(crate) struct Found {
     pub properties: Vec<CheckedProperty>,
     pub states: u64,

@@ -31,7 +31,7 @@ pub struct SystemSpecification {
     pub message_links: Vec<MessageLink>,
     /// Which machines make a step at a time.
     pub schedule: MachineSchedule,
-    /// Where inputs come from that no machine provides.
+    /// The source of inputs that no machine provides.
     pub environment: EnvironmentModel,
 }
 
@@ -76,7 +76,7 @@ pub struct MessageLink {
     pub provider: usize,
 }
 
-/// Where an input location comes from.
+/// The source of an input location.
 #[derive(Clone, Debug)]
 pub(crate) struct InputSource {
     /// Arguments of the input; `None` for all.

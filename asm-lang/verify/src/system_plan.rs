@@ -1,4 +1,4 @@
-//! What does not change during the exploration of a system.
+//! Data that do not change during the exploration of a system.
 
 use crate::inputs::InputRanges;
 use crate::mail::MessagePlan;
@@ -10,7 +10,7 @@ use asmotion_lang::ir::FunctionId;
 use asmotion_lang::simulate::Script;
 use asmotion_lang::{Machine, Report, Value};
 
-/// What does not change during an exploration.
+/// Data that do not change during an exploration.
 #[derive(Debug, Default)]
 pub(crate) struct SystemPlan {
     /// Values of the inputs of each machine.

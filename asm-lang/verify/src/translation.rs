@@ -135,7 +135,7 @@ pub(crate) fn corresponds(from: (&Program, &ValueShape), to: (&Program, &ValueSh
     }
 }
 
-/// What the values of a shape are.
+/// The values of a shape.
 enum ShapeKind<'a> {
     Any,
     Integer,

@@ -295,7 +295,7 @@ impl PreparedSystem {
     }
 }
 
-/// What an exploration is about.
+/// The subject of an exploration.
 struct Exploring<'a> {
     known: &'a [VerifiedMachine],
     properties: &'a Prepared,
@@ -367,7 +367,10 @@ impl Exploring<'_> {
         } else {
             Vec::new()
         };
-        let has_paths = self.properties.needs_graph() && exploration.incomplete.is_none();
+        // in a cone, no property is about paths, and transitions are not kept
+        let has_paths = self.properties.needs_graph()
+            && exploration.keeps_edges
+            && exploration.incomplete.is_none();
         let ends = if has_paths { exploration.ends() } else { 0 };
         let states = exploration.state_count();
         // the search for runs and locations may have read what cannot be read

@@ -72,7 +72,7 @@ fn number(machine: &Machine) -> Value {
 }
 
 impl Whole {
-    /// What distinguishes states: the locations, and the messages in order, without their ids.
+    /// The distinction of states: the locations, and the messages in order, without their ids.
     fn key(&self) -> String {
         let locations = self.machines.iter().map(|machine| {
             let (state, program) = (machine.state(), machine.program());

@@ -48,7 +48,7 @@ pub(crate) fn covers(outputs: &[ActorOutput], end: &str) -> bool {
     })
 }
 
-/// What the environment needs to know about a function.
+/// The properties of a function that the environment needs.
 #[derive(Clone, Debug)]
 pub(crate) struct FunctionFacts {
     pub kind: ast::FunctionKind,

@@ -1,4 +1,4 @@
-//! What a model of a component is made from.
+//! The sources of a component's model.
 
 use asmotion_diagnostics::Loader;
 use asmotion_lang::hir::ReadOptions;

@@ -1,4 +1,4 @@
-//! Whether a message belongs to the last one that the verified specification has published: `where` in a binding, and echoes in
+//! Messages that belong to the last one that the verified specification has published: `where` in a binding, and echoes in
 //! protocols.
 
 use crate::actor::{Actor, ActorInput, word};

@@ -30,7 +30,7 @@ pub(crate) struct EnvironmentWriter<'a> {
     /// Answers that the protocols of service providers allow, by component, service and operation.
     pub answers: &'a BTreeMap<(String, String, String), Vec<String>>,
     pub glue: Glue,
-    /// What the environment assumes beyond the bindings.
+    /// Assumptions of the environment beyond the bindings.
     pub notes: BTreeSet<String>,
     pub currency: Currency,
 }

@@ -1,6 +1,6 @@
 //! Verification of composites: puts the specification of a component together with its environment.
 //!
-//! What an input of the specification can be follows from its binding and from the components that send to it: from their
+//! The possible values of an input of the specification follow from its binding and from the components that send to it: from their
 //! specifications, or from their *protocols*. A protocol is a specification of what a component sends, depending on what it
 //! receives ([`protocol`](mod@protocol)). A component without one may send anything at any time.
 

@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct ComponentModel {
     /// Both, as one specification.
     pub specification: Specification,
-    /// What the environment consists of.
+    /// The parts of the environment.
     pub environment: ModelledEnvironment,
 }
 
@@ -46,7 +46,7 @@ pub struct ModelledEnvironment {
     pub independent: Vec<String>,
     /// Inputs for which messages may come from outside of the composite at any time.
     pub outside: Vec<String>,
-    /// What is assumed beyond the bindings and protocols.
+    /// Assumptions beyond the bindings and protocols.
     pub assumptions: Vec<String>,
     /// Functions of other components' specifications: name in the whole, component, and name as declared.
     pub names: BTreeMap<String, (String, String)>,
@@ -54,7 +54,7 @@ pub struct ModelledEnvironment {
     pub functions: BTreeSet<String>,
     /// Inputs of the specification that the environment sets, with their values in a step without a message.
     pub inputs: BTreeMap<String, String>,
-    /// Where the values of each input come from.
+    /// Sources of the values of each input.
     pub origins: BTreeMap<String, Vec<ValueOrigin>>,
 }
 

@@ -1,4 +1,4 @@
-//! Who sends and calls whom, according to a plan.
+//! Senders and receivers, callers and providers, according to a plan.
 
 use asmotion_plan::{End, Plan, Terminal};
 

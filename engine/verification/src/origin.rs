@@ -1,6 +1,6 @@
-//! Where the values of inputs come from, in words.
+//! Sources of the values of inputs, in words.
 
-/// Where values of an input come from.
+/// A source of the values of an input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValueOrigin {
     /// The values; `None` if they are not listed.

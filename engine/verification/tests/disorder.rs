@@ -208,7 +208,7 @@ impl Alone {
     }
 }
 
-/// What the component in a folder does with files.
+/// The use that the component in a folder makes of files.
 pub fn observed_alone(folder: &str, files: &Files) -> Conformance {
     let implementation = match folder {
         "follower" => "nav::TrajectoryFollower",

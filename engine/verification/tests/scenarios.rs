@@ -27,7 +27,7 @@ pub struct Scenario {
     pub seed: u64,
 }
 
-/// What was observed of each implementation, by its name in the catalogue, or of the component if its file names the protocol.
+/// The observations of each implementation, by its name in the catalogue, or of the component if its file names the protocol.
 pub type Conformance = BTreeMap<String, ComponentConformance>;
 
 impl Scenario {

@@ -17,7 +17,7 @@ pub enum GivenValues {
     Content(ContentValues),
 }
 
-/// What the values are for.
+/// The use of the values.
 enum ValuesTarget {
     Input(FunctionId),
     /// A partner that replies, or `None` for requests; and the operation.

@@ -71,7 +71,7 @@ fn loop_start(run: &Run) -> Option<usize> {
     Some(first.map_or(last, |step| step.transition.saturating_sub(1)))
 }
 
-/// What led to a state.
+/// The step that led to a state.
 fn meta(index: usize, run: &Run, machines: &[VerifiedMachine]) -> Value {
     let steps = run
         .steps

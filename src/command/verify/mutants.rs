@@ -17,7 +17,7 @@ const STATES: u64 = 10;
 /// States that every mutant may have.
 const LEAST_STATES: u64 = 10_000;
 
-/// What the properties say about a mutant.
+/// The verdict of the properties on a mutant.
 enum MutantFate {
     /// A property that holds for the specification is violated.
     Killed(String),

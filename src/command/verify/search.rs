@@ -1,4 +1,4 @@
-//! How states are explored one by one: by how many threads, and how they are stored.
+//! Options of the explicit exploration: the number of threads, and the storage of states.
 
 use super::Verify;
 use super::engine::EngineOption;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How states are explored one by one.
+/// Options of the explicit exploration.
 #[derive(Args)]
 pub struct SearchOptions {
     /// Number of threads; the result does not depend on it [default: 1]

@@ -11,7 +11,7 @@ const SMALL: u32 = 11;
 /// Limit for the cases of a rule.
 const MAX_CASES: usize = 512;
 
-/// What a condition requires of a term.
+/// The values of a term that a condition requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Requirement {
     /// It is true.
@@ -51,7 +51,7 @@ pub(crate) struct Conjunction {
     pub literals: Vec<Literal>,
 }
 
-/// What a rule does where a conjunction holds.
+/// The effect of a rule in states in which a conjunction holds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Case {
     pub when: Conjunction,

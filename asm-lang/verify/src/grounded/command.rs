@@ -152,7 +152,7 @@ pub(crate) struct Command<const W: usize> {
     pub has_updates: bool,
     /// Coverage counters that it executes.
     pub counters: Box<[u32]>,
-    /// What it moves if it changes the state.
+    /// Agents and rules that it moves if it changes the state.
     pub moved: MovedSet,
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn words_of<const W: usize>(
     Some(state)
 }
 
-/// What a machine finds about the steps of a state.
+/// The steps of a state, found by a machine.
 #[derive(Debug)]
 pub(crate) struct MachineSteps<const W: usize> {
     /// The next states, in order, and whether the step updates a location.

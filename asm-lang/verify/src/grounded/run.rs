@@ -21,13 +21,13 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// What to explore, and how far.
+/// The subject and the limits of an exploration.
 pub(crate) struct RunRequest<'a> {
     pub grounded: &'a Grounded,
     pub layout: &'a WordLayout,
     pub conditions: &'a Conditions,
     pub options: &'a ExplorationOptions,
-    /// What can be permuted, if anything.
+    /// Permutations of elements, if there are any.
     pub symmetry: Option<&'a WordSymmetry>,
     pub fair: &'a FairMoves,
 }

@@ -25,7 +25,7 @@ pub(crate) type FailedStep = (Vec<Decision>, MachineFault);
 #[derive(Debug)]
 pub(crate) struct Successors<const W: usize> {
     pub states: Vec<HashedState<W>>,
-    /// What the step to each state moves, if fairness refers to it.
+    /// Agents and rules that the step to each state moves, if fairness refers to them.
     pub moved: Vec<MovedSet>,
     /// Number of executions that update a location.
     pub updating: u64,
@@ -373,7 +373,7 @@ impl<'a, const W: usize> KnownNodes<'a, W> {
     }
 }
 
-/// What was found about the steps of one node.
+/// The steps of one node.
 #[derive(Debug)]
 pub(crate) struct StateSteps {
     /// Index after the last of its successors in [`StepsOfStates::reached`].
@@ -386,13 +386,13 @@ pub(crate) struct StateSteps {
     pub stopped: Option<StoppedRun>,
 }
 
-/// What was found about the steps of consecutive states.
+/// The steps of consecutive states.
 #[derive(Debug, Default)]
 pub(crate) struct StepsOfStates<const W: usize> {
     pub states: Vec<StateSteps>,
     /// Successors; known ones are left out if transitions are not kept.
     pub reached: Vec<ReachedWords<W>>,
-    /// What the step to each successor moves, if fairness refers to it.
+    /// Agents and rules that the step to each successor moves, if fairness refers to them.
     pub moved: Vec<MovedSet>,
 }
 

@@ -21,7 +21,7 @@ pub(crate) struct WordStore<const W: usize> {
     number_bits: u32,
 }
 
-/// What is kept of states.
+/// The states, or their fingerprints.
 #[derive(Debug)]
 enum KeptWords<const W: usize> {
     All(Table<WordElement<W>>),

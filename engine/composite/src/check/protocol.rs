@@ -46,7 +46,7 @@ struct CheckedProtocol<'c, 's> {
     key: Span,
 }
 
-/// What a function of a protocol stands for.
+/// The message or operation for which a function of a protocol stands.
 enum ProtocolEnd {
     /// A message, or a field of it; the type is `None` if it is not known.
     Message {

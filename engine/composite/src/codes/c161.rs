@@ -56,7 +56,7 @@ pub(crate) struct UnfitProtocolFunction {
     /// Name of the component.
     pub component: String,
     pub function: String,
-    /// What does not fit, after the name of the function.
+    /// The misfit, after the name of the function.
     pub problem: String,
     /// The declaration of the function.
     pub at: Span,

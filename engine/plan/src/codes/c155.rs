@@ -56,7 +56,7 @@ pub(crate) struct OperationMismatch {
     pub service: String,
     pub interface: String,
     pub operation: String,
-    /// Where the types differ, and which of them; `None` if the service does not have the operation.
+    /// The place where the types differ, and the type; `None` if the service does not have the operation.
     pub difference: Option<OperationDifference>,
     pub at: Span,
     pub reference_at: Span,

@@ -1,4 +1,4 @@
-//! What another robot announces about one of its components, and its comparison with what a system was started with.
+//! The announcement of a component by another robot, and its comparison with the one that a system was started with.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};

@@ -11,18 +11,18 @@ pub enum Interface {
     Message(Structure),
     /// A service.
     Service {
-        /// What the client sends.
+        /// Data that the client sends.
         request: Structure,
-        /// What the server answers.
+        /// Data that the server answers.
         response: Structure,
     },
     /// An action.
     Action {
-        /// What the client wants.
+        /// Data that the client sends to start the action.
         goal: Structure,
-        /// What was achieved at the end.
+        /// Data that the server sends at its end.
         result: Structure,
-        /// What has been achieved so far.
+        /// Data that the server sends on the way.
         feedback: Structure,
     },
 }

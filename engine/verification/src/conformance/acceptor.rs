@@ -387,7 +387,7 @@ impl ProtocolAcceptor {
 
     // ---- from messages to values ---------------------------------------------------------------
 
-    /// What the component sent, as values of the out functions.
+    /// Messages of the component, as values of the out functions.
     fn expected(
         &self,
         sent: &[ObservedMessage],

@@ -1,9 +1,9 @@
-//! What a component was observed to receive and to send.
+//! Messages that a component was observed to receive and to send.
 
 use asmotion_datum::Datum;
 use std::fmt;
 
-/// What a component received and sent in one cycle.
+/// Messages that a component received and sent in one cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObservedCycle {
     /// Messages and requests that the cycle found, in order of arrival.
@@ -61,7 +61,7 @@ pub enum ProtocolDeviation {
         received: Vec<String>,
         /// Functions of the protocol with what the component sent.
         sent: Vec<String>,
-        /// What the protocol could have sent instead, one list for each alternative.
+        /// Messages that the protocol could have sent instead, one list for each alternative.
         allowed: Vec<Vec<String>>,
     },
     /// A message has a value that the function of the protocol cannot have.

@@ -31,13 +31,13 @@ struct Observation {
 
 struct FollowedComponent {
     acceptor: ProtocolAcceptor,
-    /// What has arrived since the last cycle began.
+    /// Messages that have arrived since the last cycle began.
     arrived: Vec<ObservedMessage>,
     current: Option<ObservedCycle>,
     found: ComponentConformance,
 }
 
-/// What was observed of a component.
+/// The observations of a component.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComponentConformance {
     /// Number of cycles that the protocol allows.

@@ -1,4 +1,4 @@
-//! What the environment remembers for the inputs of an actor, and their initial values.
+//! Locations of the environment for the inputs of an actor, and their initial values.
 
 use super::EnvironmentWriter;
 use super::calls::{is_location, outputs_with_calls};

@@ -1,4 +1,4 @@
-//! Where the values of inputs come from, for readers.
+//! Sources of the values of inputs, for readers.
 
 use super::EnvironmentWriter;
 use super::calls::{is_location, outputs_with_calls};
@@ -7,7 +7,7 @@ use crate::origin::ValueOrigin;
 use std::collections::BTreeMap;
 
 impl EnvironmentWriter<'_> {
-    /// Where the values of each input of the verified specification come from.
+    /// Sources of the values of each input of the verified specification.
     pub fn origins(&self) -> BTreeMap<String, Vec<ValueOrigin>> {
         let Some(actor) = self.actor(0) else {
             return BTreeMap::new();

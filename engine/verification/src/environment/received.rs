@@ -1,4 +1,4 @@
-//! What an actor receives: the rules that determine the inputs of its next step.
+//! Messages that an actor receives: the rules that determine the inputs of its next step.
 
 use super::EnvironmentWriter;
 use super::calls::{self, call_state, is_location};

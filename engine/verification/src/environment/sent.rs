@@ -1,4 +1,4 @@
-//! What an actor sends: the effects of its last step, and how messages reach inputs.
+//! Messages that an actor sends: the effects of its last step, and how messages reach inputs.
 
 use super::calls::{call_state, calls, emptied};
 use super::{EnvironmentWriter, MAX_WAITING};
