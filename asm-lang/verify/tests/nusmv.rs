@@ -184,8 +184,10 @@ fn verdicts_on_specifications_are_those_of_nusmv() {
             let text = specification
                 .sources
                 .snippet(property.formulas[0].root.span);
-            properties.push(text.to_owned());
-            writeln!(model, "CTLSPEC {}", translated(text)).unwrap();
+            let words: Vec<&str> = text.split_whitespace().collect();
+            let text = words.join(" ");
+            writeln!(model, "CTLSPEC {}", translated(&text)).unwrap();
+            properties.push(text);
         }
         for is_linear in [false, true] {
             for at in 0..FORMULAS {
