@@ -65,10 +65,9 @@ the message `std_msgs/Header` of this build differs: field `stamp` here, field `
 fn types_that_do_not_exist_are_an_error() {
     let (code, _, err) = ros(&["types", "nav2_msgs/Spn"]);
     assert_eq!(code, 1);
-    assert!(
-        err.contains("no interface of ROS has `nav2_msgs/Spn` in its name"),
-        "{err}"
-    );
+    let message =
+        "no interface of ROS has `nav2_msgs/Spn` in its name; did you mean `nav2_msgs/Spin`?";
+    assert!(err.contains(message), "{err}");
     let (code, _, err) = ros(&["types", "--definitions", "/does/not/exist"]);
     assert_eq!(code, 2);
     assert!(err.contains("/does/not/exist"), "{err}");

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_messages::MESSAGES;
 use asmotion_ros_interface::{
     Catalogue, DefinitionError, Distribution, Interface, InterfaceKind, InterfaceName,
@@ -86,8 +87,13 @@ impl Types {
         let mut names = catalogue.interfaces().map(|(name, _)| name.to_string());
         let listed: Vec<String> = names.by_ref().filter(|name| name.contains(&text)).collect();
         if listed.is_empty() {
+            let known: Vec<String> = catalogue
+                .interfaces()
+                .map(|(name, _)| name.short())
+                .collect();
+            let suggestion = or_did_you_mean(similar(&text, &known).map(String::as_str));
             terminal.error(format_args!(
-                "no interface of ROS has `{text}` in its name; `--definitions DIR` adds packages, `--ros 1|2` selects a generation"
+                "no interface of ROS has `{text}` in its name{suggestion}; `--definitions DIR` adds packages, `--ros 1|2` selects a generation"
             ));
             return Exit::Findings;
         }

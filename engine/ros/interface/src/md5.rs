@@ -10,7 +10,7 @@ use md5::{Digest, Md5};
 
 use crate::catalogue::Catalogue;
 use crate::definition::{Element, FieldType, Structure};
-use crate::error::{DefinitionError, DefinitionProblem};
+use crate::error::DefinitionError;
 use crate::name::InterfaceName;
 
 /// An MD5 sum, printed as 32 hexadecimal digits.
@@ -34,17 +34,13 @@ impl Catalogue {
         self.contained(name)?;
         let mut whole = Md5::new();
         for structure in self.interface(name)?.structures() {
-            whole.update(self.summed_text(name, structure)?);
+            whole.update(self.summed_text(structure)?);
         }
         Ok(Md5Sum(whole.finalize().into()))
     }
 
     /// The text of which the sum is taken.
-    fn summed_text(
-        &self,
-        owner: &InterfaceName,
-        structure: &Structure,
-    ) -> Result<String, DefinitionError> {
+    fn summed_text(&self, structure: &Structure) -> Result<String, DefinitionError> {
         let mut lines = Vec::new();
         for constant in &structure.constants {
             lines.push(format!(
@@ -56,12 +52,8 @@ impl Catalogue {
             let FieldType { element, count } = &field.of;
             lines.push(match element {
                 Element::Message(name) => {
-                    let inner = self.message(name).map_err(|_| DefinitionError {
-                        interface: owner.clone(),
-                        line: None,
-                        problem: DefinitionProblem::UndefinedField(name.clone()),
-                    })?;
-                    let text = self.summed_text(name, inner)?;
+                    let inner = self.message(name)?;
+                    let text = self.summed_text(inner)?;
                     let sum = Md5Sum(Md5::digest(text).into());
                     format!("{sum} {}", field.name)
                 }

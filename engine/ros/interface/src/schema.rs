@@ -5,7 +5,7 @@ use asmotion_datum::{OutlineKey, Schema, Shape};
 use crate::catalogue::Catalogue;
 use crate::definition::{Count, Element, Field, Interface, Primitive, Structure};
 use crate::distribution::Distribution;
-use crate::error::{DefinitionError, DefinitionProblem};
+use crate::error::DefinitionError;
 use crate::name::InterfaceName;
 
 /// The type of times, in ROS 2 a message, and here also the type of `time` in ROS 1.
@@ -25,7 +25,7 @@ impl Catalogue {
     pub fn schema(&self, name: &InterfaceName) -> Result<Schema, DefinitionError> {
         self.contained(name)?;
         let structure = self.message(name)?;
-        self.record(name, name.short(), structure)
+        self.record(name.short(), structure)
     }
 
     /// The schemas of the structures of an interface, in their order: of a message, of request and response, or of goal,
@@ -43,19 +43,14 @@ impl Catalogue {
         let structures = self.interface(name)?.structures();
         let named = structures.into_iter().zip(suffixes);
         named
-            .map(|(structure, suffix)| self.record(name, name.part(suffix).short(), structure))
+            .map(|(structure, suffix)| self.record(name.part(suffix).short(), structure))
             .collect()
     }
 
-    fn record(
-        &self,
-        owner: &InterfaceName,
-        name: String,
-        structure: &Structure,
-    ) -> Result<Schema, DefinitionError> {
+    fn record(&self, name: String, structure: &Structure) -> Result<Schema, DefinitionError> {
         let mut fields = Vec::new();
         for field in &structure.fields {
-            let schema = self.field(owner, field)?;
+            let schema = self.field(field)?;
             fields.push(OutlineKey::new(field.name.clone(), "", schema));
         }
         Ok(Schema {
@@ -64,17 +59,13 @@ impl Catalogue {
         })
     }
 
-    fn field(&self, owner: &InterfaceName, field: &Field) -> Result<Schema, DefinitionError> {
+    fn field(&self, field: &Field) -> Result<Schema, DefinitionError> {
         let element = match &field.of.element {
             Element::Primitive(primitive) => self.primitive(*primitive),
             Element::String(_) | Element::WideString(_) => Schema::plain(Shape::Text),
             Element::Message(name) => {
-                let inner = self.message(name).map_err(|_| DefinitionError {
-                    interface: owner.clone(),
-                    line: None,
-                    problem: DefinitionProblem::UndefinedField(name.clone()),
-                })?;
-                self.record(name, name.short(), inner)?
+                let inner = self.message(name)?;
+                self.record(name.short(), inner)?
             }
         };
         Ok(match field.of.count {
