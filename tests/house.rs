@@ -32,7 +32,12 @@ const FLOORS: &[&[&str]] = &[
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
     &["asmotion-bus", "asmotion-ros-interface"],
-    &["asmotion-amqp", "asmotion-gateway", "asmotion-port"],
+    &[
+        "asmotion-amqp",
+        "asmotion-gateway",
+        "asmotion-port",
+        "asmotion-ros1",
+    ],
     &["asmotion-component"],
     &[
         "asmotion-bridge",

@@ -56,6 +56,13 @@ pub const GENPY: Requirement<'_> = Requirement {
     remedy: "Install Debian's package `python3-genpy`, or run `./test`",
 };
 
+/// Master, tools and nodes of ROS 1.
+pub const ROSPY: Requirement<'_> = Requirement {
+    name: "rospy",
+    tests: "the tests with ROS 1",
+    remedy: "Install Debian's packages `python3-rosmaster`, `python3-rosnode`, `python3-rosservice`, `python3-actionlib`, `python3-geometry-msgs`, `python3-nav-msgs` and `python3-std-srvs`, or run `./test`",
+};
+
 /// Packages of Python.
 pub const PYPI: Requirement<'_> = Requirement {
     name: "pypi",
