@@ -261,15 +261,16 @@ impl CalledService {
         let is_success = is_success.map_err(|error| self.unavailable(error.to_string()))? == 1;
         let bytes = read_frame(&mut stream, limit).await;
         let bytes = bytes.map_err(|error| refusal(UNREADABLE, &error))?;
+        // a failure of the service is none of the connection
+        if self.is_persistent {
+            *kept = Some(stream);
+        }
         if !is_success {
             let detail = String::from_utf8_lossy(&bytes);
             return Err(refusal(FAILED, &detail));
         }
         let datum = ros1::decode(&bytes, &self.of.response);
         let datum = datum.map_err(|error| refusal(UNREADABLE, &error))?;
-        if self.is_persistent {
-            *kept = Some(stream);
-        }
         Ok(Payload::Sample(Arc::new(datum)))
     }
 }

@@ -76,15 +76,13 @@ impl ProvidedService {
             let Some(answer) = self.answer(context, &node, &stream, &request).await else {
                 return Ok(());
             };
-            let is_success = answer.is_ok();
-            let mut response = vec![u8::from(is_success)];
+            let mut response = vec![u8::from(answer.is_ok())];
             response.extend(match answer {
                 Ok(bytes) => framed(&bytes),
                 Err(reason) => framed(reason.as_bytes()),
             });
             self.write(context, &mut stream, &response).await?;
-            // roscpp and rospy close the connection after an error, and expect others to
-            if !header.is_set("persistent") || !is_success {
+            if !header.is_set("persistent") {
                 return Ok(());
             }
         }

@@ -1,8 +1,17 @@
 //! The client library of ROS 1, alone and with a master and nodes of ROS.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "helpers of tests"
+)]
 
+mod bad_peers;
 mod fixture;
 mod graph;
+mod master;
+mod parameters;
+mod services;
 mod topics;
 mod xmlrpc;

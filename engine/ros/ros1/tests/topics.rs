@@ -189,8 +189,8 @@ fn a_subscriber_that_stops_reading_delays_no_other_and_its_drops_are_counted() {
         (publisher.counts().subscribers.len() == 2).then_some(())
     });
     stopped.signal("STOP");
-    let large = "x".repeat(256 << 10);
-    for number in 0..100 {
+    let large = "x".repeat(64 << 10);
+    for number in 0..200 {
         publisher
             .publish(&string(&format!("{number} {large}")))
             .unwrap();
@@ -209,13 +209,13 @@ fn a_subscriber_that_stops_reading_delays_no_other_and_its_drops_are_counted() {
             .unwrap()
     };
     let (stopped_counts, reading_counts) = (of("/stopped"), of("/reading"));
-    assert_eq!((reading_counts.sent, reading_counts.dropped), (100, 0));
+    assert_eq!((reading_counts.sent, reading_counts.dropped), (200, 0));
     assert!(stopped_counts.dropped > 50, "{stopped_counts:?}");
     assert!(stopped_counts.waiting <= 8, "{stopped_counts:?}");
     stopped.signal("CONT");
     // it goes on with the newest ones
     eventually("the last message arrives", || {
-        stopped.line().starts_with("data: \"99 x").then_some(())
+        stopped.line().starts_with("data: \"199 x").then_some(())
     });
 }
 

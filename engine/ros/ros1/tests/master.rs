@@ -1,0 +1,139 @@
+//! The master is killed and restarted.
+
+use std::time::Duration;
+
+use asmotion_bus::{CallFailure, LinkState};
+use asmotion_ros1::RosNotice;
+
+use crate::fixture::{Master, SOON, all, eventually, notifier, service_type, string, topic_type};
+
+#[test]
+fn all_registrations_are_made_again_when_the_master_restarts() {
+    let Some(mut master) = Master::start() else {
+        return;
+    };
+    let node = master.node("/robot");
+    let of = topic_type("std_msgs/String");
+    let publisher = node.node.publisher("said", of.clone(), 100, false).unwrap();
+    let heard = node
+        .node
+        .subscribe("heard", Some(of), all(100), notifier())
+        .unwrap();
+    let _served = node
+        .node
+        .serve("stop", service_type("std_srvs", "SetBool"), 1, notifier())
+        .unwrap();
+    let followed = node
+        .node
+        .follow_parameter("speed", all(10), notifier())
+        .unwrap();
+    node.registered();
+    let listener = master.peer("listener", &["before", "/said", "std_msgs", "String", "0"]);
+    assert_eq!(listener.line(), "connected");
+    assert!(followed.next_within(SOON).is_some());
+
+    for round in 0..3 {
+        master.kill();
+        eventually("the loss is noticed", || {
+            (!node.node.health().is_up()).then_some(())
+        });
+        let LinkState::Down { reason } = node.node.health().link else {
+            panic!("{:?}", node.node.health());
+        };
+        assert!(reason.contains("efused"), "{reason}");
+        // connections between nodes go on without a master
+        publisher
+            .publish(&string(&format!("without {round}")))
+            .unwrap();
+        assert_eq!(listener.line(), format!("data: \"without {round}\""));
+        let failure = node
+            .node
+            .parameter("speed", SOON, notifier())
+            .unwrap()
+            .wait();
+        assert_eq!(failure.unwrap_err(), CallFailure::Unavailable);
+        // something new while it is down
+        let late = node.node.publisher(
+            &format!("late_{round}"),
+            topic_type("std_msgs/Bool"),
+            1,
+            false,
+        );
+        master.restart();
+        node.registered();
+        let info = master.tool("rosnode", &["info", "/robot"]);
+        for line in [
+            "/said [std_msgs/String]",
+            "/heard [",
+            "* /stop",
+            &format!("* /late_{round} ["),
+        ] {
+            assert!(info.contains(line), "{line}: {info}");
+        }
+        drop(late);
+        // new nodes find it
+        let name = format!("talker_{round}");
+        let mut talker = master.peer("talker", &[&name, "/heard", "once"]);
+        assert_eq!(talker.line(), "ready");
+        talker.tell("await 1");
+        assert_eq!(talker.line(), "connected");
+        talker.tell("say again");
+        let envelope = heard.next_within(SOON).expect("a message");
+        assert_eq!(&*envelope.source, format!("/{name}"));
+        assert!(heard.try_next().is_none());
+        let mut parameters = master.peer("parameters", &["parameters"]);
+        assert_eq!(parameters.line(), "ready");
+        parameters.tell(&format!("set /speed {round}"));
+        eventually("the parameter is followed again", || {
+            let envelope = followed.try_next()?;
+            let datum = envelope.payload.to_datum().unwrap();
+            (datum.as_int() == Some(round)).then_some(())
+        });
+    }
+    let notices = node.notices();
+    let losses = notices
+        .iter()
+        .filter(|it| matches!(it, RosNotice::Unregistered { .. }));
+    assert!(losses.count() >= 3, "{notices:?}");
+    let gains = notices
+        .iter()
+        .filter(|it| matches!(it, RosNotice::Registered { .. }));
+    assert_eq!(gains.count(), 4, "{notices:?}");
+}
+
+#[test]
+fn attempts_are_bounded_while_the_master_is_down() {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    let closed = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = closed.local_addr().unwrap().port();
+    let attempts = Arc::new(AtomicUsize::new(0));
+    std::thread::spawn({
+        let attempts = Arc::clone(&attempts);
+        move || {
+            // accepts, and closes
+            for stream in closed.incoming() {
+                drop(stream);
+                attempts.fetch_add(1, Ordering::SeqCst);
+            }
+        }
+    });
+    let node = crate::fixture::TestNode::start(port, "/robot", |_| ());
+    let flags: Vec<_> = (0..50)
+        .map(|number| {
+            node.node.publisher(
+                &format!("flag_{number}"),
+                topic_type("std_msgs/Bool"),
+                1,
+                false,
+            )
+        })
+        .collect();
+    std::thread::sleep(Duration::from_secs(2));
+    // after 0.1, 0.2, 0.4, 0.5, 0.5, … seconds
+    let attempts = attempts.load(Ordering::SeqCst);
+    assert!((3..=8).contains(&attempts), "{attempts}");
+    assert_eq!(flags.iter().filter(|it| it.is_ok()).count(), 50);
+    assert!(!node.node.health().is_up());
+}
