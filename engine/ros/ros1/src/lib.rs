@@ -16,7 +16,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod action;
 mod caller;
+mod clock;
 mod context;
 mod error;
 mod frame;
@@ -36,9 +38,15 @@ mod settings;
 mod slave;
 mod subscription;
 mod tables;
+mod time;
 pub mod xmlrpc;
 
+pub use action::{
+    ActionClient, ActionClientCounts, ActionError, ActionEvent, ActionType, ActionTypeError,
+    GoalId, GoalOutcome, GoalPhase,
+};
 pub use caller::{FAILED, MISMATCH, RosServiceClient, UNREADABLE};
+pub use clock::{RosClock, clock_message};
 pub use error::RosError;
 pub use graph::{RosGraph, RosTopic};
 pub use http::{RosUri, RosUriError};

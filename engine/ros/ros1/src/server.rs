@@ -25,14 +25,15 @@ pub(crate) async fn serve_api(listener: TcpListener, slave: Arc<Slave>) {
         let Some((stream, peer)) = accept(&slave.context, &listener).await else {
             return;
         };
-        // a connection too many is closed
-        if let Ok(slot) = Arc::clone(&slots).try_acquire_owned() {
-            let slave = Arc::clone(&slave);
-            tokio::spawn(async move {
-                slave.serve(stream, peer).await;
-                drop(slot);
-            });
-        }
+        let Ok(slot) = Arc::clone(&slots).try_acquire_owned() else {
+            refuse(&slave.context, "calls", peer);
+            continue;
+        };
+        let slave = Arc::clone(&slave);
+        tokio::spawn(async move {
+            slave.serve(stream, peer).await;
+            drop(slot);
+        });
     }
 }
 
@@ -44,11 +45,7 @@ pub(crate) async fn serve_data(listener: TcpListener, context: Arc<Context>, tab
             return;
         };
         let Ok(slot) = Arc::clone(&slots).try_acquire_owned() else {
-            context.report(RosNotice::Disconnected {
-                of: "topics and services".into(),
-                peer,
-                reason: "too many connections".to_owned(),
-            });
+            refuse(&context, "topics and services", peer);
             continue;
         };
         let (context, tables) = (Arc::clone(&context), Arc::clone(&tables));
@@ -61,6 +58,16 @@ pub(crate) async fn serve_data(listener: TcpListener, context: Arc<Context>, tab
             drop(slot);
         });
     }
+}
+
+/// Reports a connection that is one too many, and is closed.
+fn refuse(context: &Context, of: &str, peer: String) {
+    let limit = context.settings.limits.connections;
+    context.report(RosNotice::Disconnected {
+        of: of.into(),
+        peer,
+        reason: format!("more than {limit} connections"),
+    });
 }
 
 /// The next connection and the address of its other end; `None` when the node ends.

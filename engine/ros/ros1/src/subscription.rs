@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -53,15 +53,20 @@ pub(crate) struct TopicSubscription {
     /// `None` for the type of the publisher, whatever it is.
     pub(crate) of: Option<TopicType>,
     observers: Mutex<Vec<SubscriptionSender>>,
-    connections: Mutex<BTreeMap<RosUri, AbortHandle>>,
-    /// Addresses of publishers with which a connection is up.
-    connected: Mutex<BTreeSet<RosUri>>,
+    connections: Mutex<BTreeMap<RosUri, PublisherConnection>>,
     lives: AtomicU64,
     received: AtomicU64,
     unreadable: AtomicU64,
     refused: AtomicU64,
     disconnected: AtomicU64,
     panicked: AtomicU64,
+}
+
+/// The task that receives from a publisher.
+struct PublisherConnection {
+    task: AbortHandle,
+    /// Set by the task while the connection is up.
+    is_up: Arc<AtomicBool>,
 }
 
 /// Why there is no connection.
@@ -84,7 +89,6 @@ impl TopicSubscription {
             of,
             observers: Mutex::default(),
             connections: Mutex::default(),
-            connected: Mutex::default(),
             lives: AtomicU64::new(0),
             received: AtomicU64::new(0),
             unreadable: AtomicU64::new(0),
@@ -130,18 +134,20 @@ impl TopicSubscription {
             self.report_list(context, format!("{count} publishers; the limit is {limit}"));
         }
         let mut connections = lock(&self.connections);
-        connections.retain(|uri, task| {
+        connections.retain(|uri, connection| {
             let is_kept = wanted.contains(uri);
             if !is_kept {
-                task.abort();
-                lock(&self.connected).remove(uri);
+                connection.task.abort();
             }
             is_kept
         });
         for uri in wanted {
             let follow = || {
-                let following = follow(Arc::clone(context), Arc::clone(self), uri.clone());
-                tasks.spawn(following).abort_handle()
+                let is_up = Arc::new(AtomicBool::new(false));
+                let publisher = (uri.clone(), Arc::clone(&is_up));
+                let following = follow(Arc::clone(context), Arc::clone(self), publisher);
+                let task = tasks.spawn(following).abort_handle();
+                PublisherConnection { task, is_up }
             };
             connections.entry(uri.clone()).or_insert_with(follow);
         }
@@ -158,8 +164,7 @@ impl TopicSubscription {
     /// Ends all connections.
     pub(crate) fn close(&self) {
         let connections = std::mem::take(&mut *lock(&self.connections));
-        connections.values().for_each(AbortHandle::abort);
-        lock(&self.connected).clear();
+        connections.values().for_each(|it| it.task.abort());
     }
 
     pub(crate) fn counts(&self) -> RosSubscriptionCounts {
@@ -170,13 +175,17 @@ impl TopicSubscription {
             refused: count(&self.refused),
             disconnected: count(&self.disconnected),
             panicked: count(&self.panicked),
-            publishers: lock(&self.connected).len(),
+            publishers: self.publishers().len(),
         }
     }
 
     /// Addresses of the publishers with which a connection is up.
     pub(crate) fn publishers(&self) -> Vec<RosUri> {
-        lock(&self.connected).iter().cloned().collect()
+        let connections = lock(&self.connections);
+        let up = connections
+            .iter()
+            .filter(|(_, it)| it.is_up.load(Ordering::Acquire));
+        up.map(|(uri, _)| uri.clone()).collect()
     }
 
     /// Gives a message to all observers. One whose notifier panics receives no more.
@@ -193,7 +202,12 @@ impl TopicSubscription {
     }
 
     /// Receives from a publisher until the connection ends.
-    async fn receive(&self, context: &Context, uri: &RosUri) -> Result<(), Broken> {
+    async fn receive(
+        &self,
+        context: &Context,
+        uri: &RosUri,
+        is_up: &AtomicBool,
+    ) -> Result<(), Broken> {
         let (mut stream, header) = self.connect(context, uri).await?;
         let source: Arc<str> = header.get("callerid").unwrap_or("(unnamed)").into();
         let of = match &self.of {
@@ -207,7 +221,7 @@ impl TopicSubscription {
                 )?
             }
         };
-        lock(&self.connected).insert(uri.clone());
+        is_up.store(true, Ordering::Release);
         let mut envelope = Envelope {
             topic: self.topic.shared(),
             source,
@@ -375,16 +389,20 @@ pub(crate) fn now() -> i64 {
 }
 
 /// Receives from a publisher, again and again, until this task is aborted because the master lists it no longer.
-async fn follow(context: Arc<Context>, topic: Arc<TopicSubscription>, uri: RosUri) {
+async fn follow(
+    context: Arc<Context>,
+    topic: Arc<TopicSubscription>,
+    (uri, is_up): (RosUri, Arc<AtomicBool>),
+) {
     let mut retry = Retry::new(&context.settings.timing);
     let mut reported = None;
     loop {
         let begun = Instant::now();
-        let broken = match topic.receive(&context, &uri).await {
+        let broken = match topic.receive(&context, &uri, &is_up).await {
             Ok(()) => Broken::Reason("the connection ended".to_owned()),
             Err(broken) => broken,
         };
-        if lock(&topic.connected).remove(&uri) {
+        if is_up.swap(false, Ordering::AcqRel) {
             topic.disconnected.fetch_add(1, Ordering::Relaxed);
         }
         if begun.elapsed() > GOOD {

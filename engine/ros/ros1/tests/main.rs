@@ -7,7 +7,9 @@
     reason = "helpers of tests"
 )]
 
+mod actions;
 mod bad_peers;
+mod clock;
 mod fixture;
 mod graph;
 mod master;

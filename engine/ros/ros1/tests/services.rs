@@ -143,18 +143,19 @@ fn rospy_calls_services_once_and_on_a_persistent_connection() {
             assert_eq!(&*call.origin.source, "/peer");
             let found = call.argument.to_datum().unwrap();
             assert_eq!(found, Datum::record([("data", Datum::Bool(data))]));
-            call.reply(match data {
-                true => Ok(Payload::of(response(true, "gripped"))),
-                false => Err(Refusal {
-                    code: "stuck".to_owned(),
-                    detail: "the jaw is stuck".to_owned(),
-                }),
-            });
+            let jammed = Refusal {
+                code: "stuck".to_owned(),
+                detail: "the jaw is stuck".to_owned(),
+            };
+            let answer = Payload::of(response(true, "gripped"));
+            call.reply(if data { Ok(answer) } else { Err(jammed) });
             let line = peer.line();
-            match data {
-                true => assert_eq!(line, "True gripped"),
-                false => assert!(line.contains("stuck: the jaw is stuck"), "{line}"),
-            }
+            let expected = if data {
+                "True gripped"
+            } else {
+                "stuck: the jaw is stuck"
+            };
+            assert!(line.contains(expected), "{line}");
         }
     }
     // a call whose caller has left is awaited no more

@@ -63,6 +63,11 @@ fn wrong_documents_are_errors_with_their_place() {
         ("", "`<methodResponse>` expected"),
         ("<methodResponse>", "expected"),
         ("<a/>", "`<methodResponse>` expected"),
+        ("<a>\u{1}</a>", "byte 3: a control character"),
+        (
+            "<methodResponse><params><param><value>&#1;</value></param></params></methodResponse>",
+            "a control character",
+        ),
         (&*deep, "more than 32"),
         (
             "<!DOCTYPE a [<!ENTITY b \"c\">]><methodResponse/>",

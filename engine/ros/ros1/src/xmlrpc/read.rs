@@ -92,6 +92,15 @@ pub fn read_response(bytes: &[u8]) -> Result<Result<XmlRpcValue, XmlRpcFault>, X
     Ok(result)
 }
 
+/// Whether a document can contain the character. Source: XML 1.0, production 2.
+fn is_of_xml(sign: char) -> bool {
+    match sign {
+        '\t' | '\n' | '\r' => true,
+        '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}' => false,
+        _ => true,
+    }
+}
+
 enum Token {
     Start(String),
     End,
@@ -109,6 +118,12 @@ impl<'b> Document<'b> {
             position: error.valid_up_to() as u64,
             reason: "not UTF-8".to_owned(),
         })?;
+        if let Some((position, _)) = text.char_indices().find(|(_, sign)| !is_of_xml(*sign)) {
+            return Err(XmlRpcError {
+                position: position as u64,
+                reason: "a control character".to_owned(),
+            });
+        }
         let mut reader = Reader::from_str(text);
         reader.config_mut().expand_empty_elements = true;
         Ok(Self { reader })
@@ -135,7 +150,8 @@ impl<'b> Document<'b> {
                     let number = reference.resolve_char_ref();
                     let number = number.map_err(|error| self.error(error.to_string()))?;
                     match number {
-                        Some(sign) => Token::Text(sign.to_string()),
+                        Some(sign) if is_of_xml(sign) => Token::Text(sign.to_string()),
+                        Some(_) => return Err(self.error("a control character")),
                         None => {
                             let name = reference.xml10_content();
                             let known = resolve_predefined_entity(&name);
