@@ -37,6 +37,7 @@ const FLOORS: &[&[&str]] = &[
         "asmotion-gateway",
         "asmotion-port",
         "asmotion-ros1",
+        "asmotion-ros2",
     ],
     &["asmotion-component"],
     &[

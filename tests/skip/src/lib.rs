@@ -63,6 +63,13 @@ pub const ROSPY: Requirement<'_> = Requirement {
     remedy: "Install Debian's packages `python3-rosmaster`, `python3-rosnode`, `python3-rosservice`, `python3-actionlib`, `python3-geometry-msgs`, `python3-nav-msgs` and `python3-std-srvs`, or run `./test`",
 };
 
+/// Cyclone DDS in Python, a peer that is no code of ours.
+pub const CYCLONEDDS: Requirement<'_> = Requirement {
+    name: "cyclonedds",
+    tests: "the tests of ROS 2 with Cyclone DDS",
+    remedy: "Run `./test`, which installs the Python package `cyclonedds` in `target/`",
+};
+
 /// Packages of Python.
 pub const PYPI: Requirement<'_> = Requirement {
     name: "pypi",

@@ -1,0 +1,125 @@
+//! Quality of service, as ROS 2 names it.
+
+use rustdds::{QosPolicies, QosPolicyBuilder, policy};
+
+/// Repetition of lost messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reliability {
+    /// Lost messages are sent again.
+    #[default]
+    Reliable,
+    /// Lost messages stay lost. A reliable subscription does not match such a publisher.
+    BestEffort,
+}
+
+/// Delivery to subscriptions that match after a message was sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Durability {
+    /// They do not get it.
+    #[default]
+    Volatile,
+    /// They get the last messages, at least as many as the depth, in order. A subscription that asks for it does not match a volatile publisher.
+    TransientLocal,
+}
+
+/// The quality of service of a publisher or subscription. The default is that of ROS 2: reliable, volatile, depth 10.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Qos {
+    /// Repetition of lost messages.
+    pub reliability: Reliability,
+    /// Delivery to late subscriptions.
+    pub durability: Durability,
+    /// Length of the queue, at least 1: messages that wait to be sent or taken. When it is full, the oldest is dropped and
+    /// counted.
+    pub depth: usize,
+}
+
+/// Smallest number of messages that DDS keeps between its thread and ours.
+const KEPT: usize = 64;
+/// Largest depth.
+const DEEPEST: usize = 1 << 16;
+
+impl Default for Qos {
+    fn default() -> Self {
+        Self {
+            reliability: Reliability::Reliable,
+            durability: Durability::Volatile,
+            depth: 10,
+        }
+    }
+}
+
+impl Qos {
+    /// The quality of service for data of sensors: best effort, volatile, depth 5.
+    pub fn sensor_data() -> Self {
+        Self {
+            reliability: Reliability::BestEffort,
+            depth: 5,
+            ..Self::default()
+        }
+    }
+
+    /// Reliable and transient local with depth 1: for values such as a map, which late subscriptions need.
+    pub fn latched() -> Self {
+        Self {
+            durability: Durability::TransientLocal,
+            depth: 1,
+            ..Self::default()
+        }
+    }
+
+    /// The same with another depth.
+    #[must_use]
+    pub fn depth(self, depth: usize) -> Self {
+        Self { depth, ..self }
+    }
+
+    pub(crate) fn queue(self) -> usize {
+        self.depth.clamp(1, DEEPEST)
+    }
+
+    /// Policies of a writer, which never blocks: what DDS does not take at once waits in our queue.
+    pub(crate) fn writer(self) -> QosPolicies {
+        self.policies(self.queue())
+    }
+
+    /// Policies of a reader. Its history only bridges the time until the thread of the node reads.
+    pub(crate) fn reader(self) -> QosPolicies {
+        self.policies(self.queue().max(KEPT))
+    }
+
+    fn policies(self, depth: usize) -> QosPolicies {
+        let depth = i32::try_from(depth.min(DEEPEST)).unwrap_or(i32::MAX);
+        let builder = match self.reliability {
+            Reliability::Reliable => QosPolicyBuilder::new().reliable(rustdds::Duration::ZERO),
+            Reliability::BestEffort => QosPolicyBuilder::new().best_effort(),
+        };
+        let durability = match self.durability {
+            Durability::Volatile => policy::Durability::Volatile,
+            Durability::TransientLocal => policy::Durability::TransientLocal,
+        };
+        let builder = builder.durability(durability);
+        builder.history(policy::History::KeepLast { depth }).build()
+    }
+
+    /// The quality of service that a peer announces. The depth is not announced, and 0 here.
+    pub(crate) fn announced(policies: &QosPolicies) -> Self {
+        let is_transient = matches!(
+            policies.durability(),
+            Some(policy::Durability::TransientLocal)
+        );
+        Self {
+            reliability: if policies.is_reliable() {
+                Reliability::Reliable
+            } else {
+                Reliability::BestEffort
+            },
+            durability: if is_transient {
+                Durability::TransientLocal
+            } else {
+                Durability::Volatile
+            },
+            depth: 0,
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Subscriptions.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use asmotion_datum::{Codec, Datum, Schema};
+
+use crate::gid::Gid;
+use crate::node::Inner;
+use crate::queue::Queue;
+use crate::reactor::{Incoming, Registration, Sink};
+
+/// Numbers of messages of a subscription.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct SubscriptionCounts {
+    /// Decoded and put into the queue.
+    pub received: u64,
+    /// Dropped because the queue was full.
+    pub dropped: u64,
+    /// Numbers that a writer left out: messages lost on the way. Only counted after the first message of a writer.
+    pub lost: u64,
+    /// Messages that are not of the type: cut short, with a rest, with an impossible length, or not in plain CDR.
+    pub malformed: u64,
+    /// The error of the last malformed message.
+    pub last_error: Option<String>,
+}
+
+/// A message with its origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Received {
+    /// The message.
+    pub message: Datum,
+    /// The writer that sent it.
+    pub writer: Gid,
+    /// Its number, counted by the writer from 1.
+    pub sequence: i64,
+}
+
+/// Receives the messages of a topic.
+pub struct Subscription {
+    pub(crate) inner: Arc<Inner>,
+    pub(crate) gid: Gid,
+    pub(crate) shared: Arc<Shared>,
+    pub(crate) _registration: Registration,
+}
+
+pub(crate) struct Shared {
+    pub(crate) queue: Queue<Received>,
+    pub(crate) counters: Counters,
+}
+
+/// Counters that the thread of the node writes.
+#[derive(Default)]
+pub(crate) struct Counters {
+    pub(crate) received: AtomicU64,
+    pub(crate) lost: AtomicU64,
+    pub(crate) malformed: AtomicU64,
+    pub(crate) last_error: Mutex<Option<String>>,
+}
+
+impl Counters {
+    pub(crate) fn malformed(&self, error: &dyn std::fmt::Display) {
+        self.malformed.fetch_add(1, Ordering::Relaxed);
+        let mut last = self
+            .last_error
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        *last = Some(error.to_string());
+    }
+}
+
+impl Subscription {
+    /// Takes the oldest message from the queue.
+    pub fn take(&self) -> Option<Received> {
+        self.shared.queue.take()
+    }
+
+    /// Waits for a message, at most for `longest`. Not for cycles of components, which do not wait.
+    pub fn wait(&self, longest: Duration) -> Option<Received> {
+        self.shared.queue.wait(longest)
+    }
+
+    /// Number of publishers that match.
+    pub fn matches(&self) -> usize {
+        self.inner.graph.lock().matches(self.gid)
+    }
+
+    /// Waits until this many publishers match, at most for `longest`; returns whether they do.
+    pub fn wait_for_matches(&self, count: usize, longest: Duration) -> bool {
+        let enough = |graph: &crate::Graph| graph.matches(self.gid) >= count;
+        self.inner.graph.wait(longest, enough)
+    }
+
+    /// The numbers of messages.
+    pub fn counts(&self) -> SubscriptionCounts {
+        let Counters {
+            received,
+            lost,
+            malformed,
+            last_error,
+        } = &self.shared.counters;
+        SubscriptionCounts {
+            received: received.load(Ordering::Relaxed),
+            dropped: self.shared.queue.dropped(),
+            lost: lost.load(Ordering::Relaxed),
+            malformed: malformed.load(Ordering::Relaxed),
+            last_error: last_error
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .clone(),
+        }
+    }
+
+    /// The id of the reader.
+    pub fn gid(&self) -> Gid {
+        self.gid
+    }
+}
+
+impl Drop for Subscription {
+    fn drop(&mut self) {
+        self.inner.forget(self.gid);
+    }
+}
+
+/// Decodes the messages of a topic.
+pub(crate) struct Decoder {
+    pub(crate) schema: Schema,
+    pub(crate) shared: Arc<Shared>,
+    /// The number of the last message of each writer.
+    pub(crate) last: BTreeMap<Gid, i64>,
+}
+
+/// Most writers whose numbers are followed. Beyond it, all are forgotten, and lost messages are missed once.
+const MOST_WRITERS: usize = 1024;
+
+impl Decoder {
+    fn follow(&mut self, writer: Gid, sequence: i64) {
+        if self.last.len() >= MOST_WRITERS {
+            self.last.clear();
+        }
+        let before = self.last.insert(writer, sequence);
+        let gap = before.map_or(0, |before| {
+            sequence.saturating_sub(before).saturating_sub(1)
+        });
+        if let Ok(gap) = u64::try_from(gap) {
+            self.shared.counters.lost.fetch_add(gap, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Sink for Decoder {
+    fn message(&mut self, incoming: Incoming) {
+        let (writer, sequence) = (incoming.writer, incoming.sequence);
+        self.follow(writer, sequence);
+        match Codec::Cdr.decode(&incoming.payload.0, &self.schema) {
+            Ok(message) => {
+                self.shared
+                    .counters
+                    .received
+                    .fetch_add(1, Ordering::Relaxed);
+                self.shared.queue.push(Received {
+                    message,
+                    writer,
+                    sequence,
+                });
+            }
+            Err(error) => self.shared.counters.malformed(&error),
+        }
+    }
+
+    fn unreadable(&mut self) {
+        let error = "the message is not in plain CDR (XCDR version 1)";
+        self.shared.counters.malformed(&error);
+    }
+}
