@@ -36,6 +36,9 @@ impl LassoSearch<'_> {
     pub(crate) fn shortest(&self) -> Option<Lasso> {
         let may_pass = |node| self.within.contains(node as usize);
         let goal = &self.components.members;
+        if goal.is_empty() {
+            return None;
+        }
         let (paths, arrivals) = ShortestPaths::to_nearest(self.rows, self.from, goal, may_pass);
         let mut cycles = CycleSearch {
             rows: self.rows,

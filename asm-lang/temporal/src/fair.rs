@@ -16,11 +16,13 @@ pub(crate) struct FairNodes {
 impl FairNodes {
     pub(crate) fn of(graph: &Graph, fairness: &[Fairness]) -> Self {
         // in a total relation every node starts a path
-        let nodes = (!fairness.is_empty()).then(|| {
-            let all = Bits::full(graph.node_count());
-            let components = fair_components(graph.rows(), &all, &Constraint::all(fairness));
-            backwards(graph, &all, components.members)
-        });
+        if fairness.is_empty() {
+            return Self { nodes: None };
+        }
+        let all = Bits::full(graph.node_count());
+        let members = fair_components(graph.rows(), &all, &Constraint::all(fairness)).members;
+        // the search backwards needs the predecessors of all nodes
+        let nodes = (members != all).then(|| backwards(graph, &all, members));
         Self { nodes }
     }
 

@@ -60,6 +60,7 @@ pub use ltl::Ltl;
 pub use product::{check_ltl, check_ltl_while};
 pub use satisfaction::{check_ctl, check_ctl_while, witness_ctl};
 pub use vacuity::{
-    AtomOccurrence, Vacuity, vacuity_ctl, vacuity_ctl_by, vacuity_ltl, vacuity_ltl_by,
+    AtomOccurrence, Vacuity, check_ltl_with_vacuity, vacuity_ctl, vacuity_ctl_by, vacuity_ltl,
+    vacuity_ltl_by,
 };
 pub use verdict::{FairPaths, TemporalVerdict};

@@ -47,31 +47,69 @@ pub fn check_ltl_while(
     fairness: &[Fairness],
     goes_on: &dyn Fn(usize) -> bool,
 ) -> Result<TemporalVerdict, TemporalError> {
-    let (product, fair) = Product::of(graph, atoms, formula, fairness, goes_on)?;
-    let violation = match product.decided {
-        Some(node) => Some(product.path_to(node)),
-        None => product.lasso(fairness),
-    };
-    Ok(TemporalVerdict {
-        violation,
-        fair: fair.paths(graph),
-    })
+    FairGraph::new(graph, atoms, fairness)?.verdict(formula, goes_on)
 }
 
-/// Returns whether [`check_ltl`] finds no violation.
-pub(crate) fn holds_ltl(
-    graph: &Graph,
-    atoms: &[Bits],
-    formula: &Ltl,
-    fairness: &[Fairness],
-) -> Result<bool, TemporalError> {
-    let (product, _) = Product::of(graph, atoms, formula, fairness, &|_| true)?;
-    if product.decided.is_some() {
-        return Ok(false);
+/// A graph with the nodes from which fair paths start, for several formulas.
+pub(crate) struct FairGraph<'a> {
+    graph: &'a Graph,
+    atoms: &'a [Bits],
+    fairness: &'a [Fairness],
+    fair: FairNodes,
+}
+
+impl<'a> FairGraph<'a> {
+    pub(crate) fn new(
+        graph: &'a Graph,
+        atoms: &'a [Bits],
+        fairness: &'a [Fairness],
+    ) -> Result<Self, TemporalError> {
+        validate(graph, atoms, fairness)?;
+        Ok(Self {
+            graph,
+            atoms,
+            fairness,
+            fair: FairNodes::of(graph, fairness),
+        })
     }
-    let untils = product.untils();
-    let components = product.components(&product.constraints(&untils, fairness));
-    Ok(components.members.is_empty())
+
+    /// Returns the verdict on a formula; see [`check_ltl_while`].
+    pub(crate) fn verdict(
+        &self,
+        formula: &Ltl,
+        goes_on: &dyn Fn(usize) -> bool,
+    ) -> Result<TemporalVerdict, TemporalError> {
+        let product = self.product(formula, goes_on)?;
+        let violation = match product.decided {
+            Some(node) => Some(product.path_to(node)),
+            None => product.lasso(self.fairness),
+        };
+        Ok(TemporalVerdict {
+            violation,
+            fair: self.fair.paths(self.graph),
+        })
+    }
+
+    /// Returns whether [`check_ltl`] finds no violation.
+    pub(crate) fn holds(&self, formula: &Ltl) -> Result<bool, TemporalError> {
+        let product = self.product(formula, &|_| true)?;
+        if product.decided.is_some() {
+            return Ok(false);
+        }
+        let untils = product.untils();
+        let components = product.components(&product.constraints(&untils, self.fairness));
+        Ok(components.members.is_empty())
+    }
+
+    /// Returns the product with the automaton of the negated formula.
+    fn product(
+        &self,
+        formula: &Ltl,
+        goes_on: &dyn Fn(usize) -> bool,
+    ) -> Result<Product, TemporalError> {
+        let mut automaton = Automaton::of_negation(formula, self.atoms.len())?;
+        Product::new(self.graph, self.atoms, &mut automaton, &self.fair, goes_on)
+    }
 }
 
 /// The part of the product that is reachable along fair nodes.
@@ -179,21 +217,6 @@ impl PairsOfState<'_> {
 }
 
 impl Product {
-    /// Returns the product with the automaton of the negated formula, and the fair nodes of the graph.
-    fn of(
-        graph: &Graph,
-        atoms: &[Bits],
-        formula: &Ltl,
-        fairness: &[Fairness],
-        goes_on: &dyn Fn(usize) -> bool,
-    ) -> Result<(Self, FairNodes), TemporalError> {
-        validate(graph, atoms, fairness)?;
-        let mut automaton = Automaton::of_negation(formula, atoms.len())?;
-        let fair = FairNodes::of(graph, fairness);
-        let product = Self::new(graph, atoms, &mut automaton, &fair, goes_on)?;
-        Ok((product, fair))
-    }
-
     fn new(
         graph: &Graph,
         atoms: &[Bits],

@@ -7,8 +7,9 @@ use crate::fairness::Fairness;
 use crate::formula::{Formula, Polarity};
 use crate::graph::Graph;
 use crate::ltl::Ltl;
-use crate::product::holds_ltl;
+use crate::product::FairGraph;
 use crate::satisfaction::holds_ctl;
+use crate::verdict::TemporalVerdict;
 
 /// An occurrence of an atom in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +56,28 @@ pub fn vacuity_ltl(
     formula: &Ltl,
     fairness: &[Fairness],
 ) -> Result<Vacuity, TemporalError> {
-    vacuity(formula, |it| holds_ltl(graph, atoms, it, fairness))
+    let graph = FairGraph::new(graph, atoms, fairness)?;
+    vacuity(formula, |it| graph.holds(it))
+}
+
+/// Checks an LTL formula as [`check_ltl`](crate::check_ltl) does, and returns what does not matter for it as [`vacuity_ltl`] does. This
+/// takes less time than both: fair paths and the product with the formula itself are computed once.
+///
+/// # Errors
+/// The same as of [`check_ltl`](crate::check_ltl).
+pub fn check_ltl_with_vacuity(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ltl,
+    fairness: &[Fairness],
+) -> Result<(TemporalVerdict, Vacuity), TemporalError> {
+    let graph = FairGraph::new(graph, atoms, fairness)?;
+    let verdict = graph.verdict(formula, &|_| true)?;
+    let vacuity = match verdict.violation {
+        Some(_) => Vacuity::default(),
+        None => vacuity_of_valid(formula, |it| graph.holds(it))?,
+    };
+    Ok((verdict, vacuity))
 }
 
 /// Returns what does not matter for a CTL formula, by another procedure that decides whether a formula holds, such as one over sets
@@ -85,10 +107,18 @@ fn vacuity<F: Formula, E>(
     formula: &F,
     holds: impl Fn(&F) -> Result<bool, E>,
 ) -> Result<Vacuity, E> {
-    let mut found = Vacuity::default();
     if !holds(formula)? {
-        return Ok(found);
+        return Ok(Vacuity::default());
     }
+    vacuity_of_valid(formula, holds)
+}
+
+/// Returns what does not matter for a formula that holds.
+fn vacuity_of_valid<F: Formula, E>(
+    formula: &F,
+    holds: impl Fn(&F) -> Result<bool, E>,
+) -> Result<Vacuity, E> {
+    let mut found = Vacuity::default();
     let mut occurrences = Vec::new();
     let mut antecedents = Vec::new();
     copy(formula, Polarity::Positive, &mut |it, polarity| {

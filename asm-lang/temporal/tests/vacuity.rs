@@ -2,7 +2,7 @@
 
 use crate::random::{ATOMS, Random, Structure};
 use asmotion_temporal::{AtomOccurrence, Bits, Ctl, GraphBuilder, Ltl, Vacuity};
-use asmotion_temporal::{check_ctl, check_ltl, vacuity_ctl, vacuity_ltl};
+use asmotion_temporal::{check_ctl, check_ltl, check_ltl_with_vacuity, vacuity_ctl, vacuity_ltl};
 
 /// 0 → 1 → 0; atoms hold at 0, at 1, nowhere, everywhere.
 fn pair() -> Structure {
@@ -80,6 +80,9 @@ fn an_irrelevant_atom_can_be_any_set() {
         atoms.resize(ATOMS + 1, Bits::full(graph.node_count()));
         let of_ltl = vacuity_ltl(&graph, &atoms, &ltl, &fairness).expect("a result");
         let of_ctl = vacuity_ctl(&graph, &atoms, &ctl, &fairness).expect("a result");
+        let both = check_ltl_with_vacuity(&graph, &atoms, &ltl, &fairness).expect("a result");
+        let verdict = check_ltl(&graph, &atoms, &ltl, &fairness).expect("a verdict");
+        assert_eq!(both, (verdict, of_ltl.clone()), "seed {seed}");
         tried += 1;
         for (found, is_ltl) in [(of_ltl, true), (of_ctl, false)] {
             for it in found.irrelevant {

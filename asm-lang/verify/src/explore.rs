@@ -4,7 +4,7 @@
 //! properties mention; without such inputs, each state is one node. The nodes of a state are consecutive.
 
 use crate::decisions::{Decision, InputValue};
-use crate::fair_moves::{self, MovedSet};
+use crate::fair_moves::MovedSet;
 use crate::parents::Parents;
 use crate::spill::{Spill, Table};
 use crate::store::{StateStorage, StateStore};
@@ -393,12 +393,6 @@ impl Exploration {
     pub fn labels(&self, node: u32) -> impl Iterator<Item = u32> {
         let (start, end) = self.edges(node);
         (start..end).filter_map(|edge| self.labels.get(edge))
-    }
-
-    /// Returns `true` if the steps with a label move the agent or rule with this index.
-    pub fn moves(&self, label: u32, index: usize) -> bool {
-        let set = self.moved_sets.get(label as usize);
-        fair_moves::contains(set.copied().unwrap_or_default(), index)
     }
 
     /// Returns the nodes at a distance from the initial nodes.

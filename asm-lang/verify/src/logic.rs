@@ -10,7 +10,7 @@ use crate::transition::FairLabels;
 use asmotion_diagnostics::{Diagnostic, Finding};
 use asmotion_temporal::{
     Bits, Ctl, FairPaths, Fairness, Graph, GraphBuilder, Lasso, Ltl, Recurrent, TemporalError,
-    Vacuity, check_ctl, check_ltl, vacuity_ctl, vacuity_ltl, witness_ctl,
+    Vacuity, check_ctl, check_ltl, check_ltl_with_vacuity, vacuity_ctl, witness_ctl,
 };
 
 /// A fairness constraint: only paths on which it holds are considered.
@@ -99,6 +99,16 @@ pub(crate) struct FairnessOfSteps<'a> {
     pub due: &'a FairMoves,
 }
 
+/// Some labels of edges.
+struct LabelSet(Vec<bool>);
+
+impl LabelSet {
+    #[inline]
+    fn contains(&self, label: u32) -> bool {
+        self.0.get(label as usize).copied().unwrap_or_default()
+    }
+}
+
 /// The graph of an exploration, or of a path in it, with fairness constraints.
 pub(crate) struct Checker {
     graph: Graph,
@@ -180,10 +190,6 @@ impl Checker {
                 Fairness::Compassion(nodes(cause), nodes(effect))
             }
         });
-        let moves = |label: u32, index: usize| {
-            let set = moved_sets.get(label as usize).copied().unwrap_or_default();
-            fair_moves::contains(set, index)
-        };
         let scheduled = fair.scheduled.iter().map(|fair| {
             let taken = graph.edges_with(|label| {
                 let set = moved_sets.get(label as usize).copied().unwrap_or_default();
@@ -192,11 +198,17 @@ impl Checker {
             Fairness::Justice(Recurrent::edges(taken))
         });
         let due = fair.due.moves.iter().enumerate().map(|(index, due)| {
-            let taken = graph.edges_with(|label| moves(label, index));
+            let moved_by = |sets: &[MovedSet]| {
+                let moves = sets.iter().map(|set| fair_moves::contains(*set, index));
+                LabelSet(moves.collect())
+            };
+            let moving = moved_by(&moved_sets);
+            let taken = graph.edges_with(|label| moving.contains(label));
             // enabled in the whole exploration, of which a path has some edges only
+            let moving = moved_by(&exploration.moved_sets);
             let is_enabled = |place: usize| {
                 let mut labels = exploration.labels(node(place as u32));
-                labels.any(|label| exploration.moves(label, index))
+                labels.any(|label| moving.contains(label))
             };
             if due.is_strong {
                 let enabled = Bits::from_fn(count, is_enabled);
@@ -227,10 +239,12 @@ impl Checker {
 
     /// Checks a temporal formula.
     pub fn check(&self, kind: PropertyKind, formula: &Formula) -> Result<Checked, LogicError> {
-        let verdict = if kind == PropertyKind::Ltl {
-            check_ltl(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
+        let (verdict, of_ltl) = if kind == PropertyKind::Ltl {
+            check_ltl_with_vacuity(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
         } else {
-            check_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
+            let formula = ctl(formula)?;
+            let verdict = check_ctl(&self.graph, &self.atoms, &formula, &self.fairness)?;
+            (verdict, Vacuity::default())
         };
         let path = verdict.violation.as_ref().map(|it| self.path(it));
         // a formula that holds because some path exists is shown by such a path
@@ -241,10 +255,8 @@ impl Checker {
             }
             _ => None,
         };
-        let vacuity = if path.is_some() {
-            Vacuity::default()
-        } else if kind == PropertyKind::Ltl {
-            vacuity_ltl(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
+        let vacuity = if path.is_some() || kind == PropertyKind::Ltl {
+            of_ltl
         } else {
             vacuity_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
         };

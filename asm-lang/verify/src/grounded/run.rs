@@ -16,7 +16,7 @@ use crate::fair_moves::{FairMoves, MovedSet};
 use crate::inputs::InputRanges;
 use asmotion_ground::{FAULT, GroundProgram};
 use asmotion_lang::{Machine, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -76,7 +76,9 @@ pub(crate) struct GroundedRun<'a, const W: usize> {
     numbers: Vec<i64>,
     edges: Vec<(u32, u32)>,
     /// Indices of the sets in `moved_sets`.
-    known_labels: HashMap<MovedSet, u32>,
+    known_labels: FxHashMap<MovedSet, u32>,
+    /// The set that was looked up last.
+    last_label: Option<(MovedSet, u32)>,
     /// The node to explore next, and the first one of the next level.
     node: u32,
     level_end: u32,
@@ -119,7 +121,8 @@ impl<const W: usize> GroundedRun<'_, W> {
             cases: has_cases.then(InputCases::default),
             numbers: Vec::new(),
             edges: Vec::new(),
-            known_labels: HashMap::new(),
+            known_labels: FxHashMap::default(),
+            last_label: None,
             node: 0,
             level_end: 1,
         };
@@ -372,11 +375,18 @@ impl<const W: usize> GroundedRun<'_, W> {
         if !self.steps.has_labels {
             return 0;
         }
+        if let Some((last, label)) = self.last_label
+            && last == moved
+        {
+            return label;
+        }
         let sets = &mut self.found.moved_sets;
-        *self.known_labels.entry(moved).or_insert_with(|| {
+        let label = *self.known_labels.entry(moved).or_insert_with(|| {
             sets.push(moved);
             sets.len() as u32 - 1
-        })
+        });
+        self.last_label = Some((moved, label));
+        label
     }
 
     /// Adds a state and evaluates the conditions in it if it is new. Returns its number, `None` if no number is left.
