@@ -14,6 +14,7 @@ mod sim;
 mod verify;
 mod verify_inputs;
 mod verify_itf;
+mod verify_storage;
 mod verify_symbolic;
 mod verify_systems;
 

@@ -291,7 +291,9 @@ impl Verify {
             if self.symmetry() && verification.symmetric.is_empty() {
                 show::without_symmetry(terminal);
             }
-            if self.cone() && verification.left_out.is_empty() {
+            // states that were known before are all those that are needed
+            let is_known = verification.is_reused;
+            if self.cone() && verification.left_out.is_empty() && !is_known {
                 show::without_cone(terminal);
             }
             if self.advice {

@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p asmotion-verify --bench spin` runs both in turn, each in a process of its own, and prints the median of the
 //! rounds. Spin's verifier is compiled with `-O3 -DSAFETY -DNOREDUCE -DBFS`; its compilation is not counted, whereas reading and
-//! grounding the specification are.
+//! grounding the specification are. Then it compares two threads with one, and liveness under fairness with Spin's `-a -f`, and counts the
+//! states of each model in every storage with one to three threads.
 #![allow(
     clippy::print_stdout,
     clippy::unwrap_used,
@@ -11,9 +12,14 @@
 )]
 
 use asmotion_lang::MemoryFiles;
-use asmotion_verify::{FairName, Options, verify};
+use asmotion_verify::{FairName, Options, SpillFile, SpillSpace, Storage, verify};
+use std::fs::File;
+use std::io;
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Number of rounds.
 const ROUNDS: usize = 5;
@@ -52,6 +58,80 @@ const THREADS: &str = "ASMOTION_BENCH_THREADS";
 fn threads() -> usize {
     let text = std::env::var(THREADS).unwrap_or_default();
     text.parse().unwrap_or(1)
+}
+
+/// Environment variable with the storage of a child.
+const STORAGE: &str = "ASMOTION_BENCH_STORAGE";
+
+fn storage() -> Storage {
+    match std::env::var(STORAGE).unwrap_or_default().as_str() {
+        "compact" => Storage::Compact,
+        "disk" => Storage::Disk(Arc::new(ScratchFiles::default())),
+        _ => Storage::Exact,
+    }
+}
+
+/// Files of the folder for temporary files.
+#[derive(Debug, Default)]
+struct ScratchFiles {
+    created: AtomicU32,
+}
+
+#[derive(Debug)]
+struct ScratchFile(File);
+
+impl SpillSpace for ScratchFiles {
+    fn create(&self) -> io::Result<Box<dyn SpillFile>> {
+        let number = self.created.fetch_add(1, Ordering::Relaxed);
+        let name = format!("asmotion-bench-{}-{number}", std::process::id());
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let file = File::options()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .open(&path)?;
+        std::fs::remove_file(&path)?;
+        Ok(Box::new(ScratchFile(file)))
+    }
+}
+
+impl SpillFile for ScratchFile {
+    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+        self.0.read_exact_at(bytes, offset)
+    }
+
+    fn append(&self, bytes: &[u8], offset: u64) -> io::Result<()> {
+        self.0.write_all_at(bytes, offset)
+    }
+}
+
+/// Counts the states of each model in every storage with one to three threads, with its steps grounded, and those of the smallest one
+/// also by a machine.
+fn counts(models: &Path, own: &Path) {
+    for (model, states, transitions, invariant) in MODELS {
+        let file = models.join(format!("{model}.asm"));
+        for storage in ["exact", "compact", "disk"] {
+            for threads in ["1", "2", "3"] {
+                let flags = ["--model", "--machine"].into_iter();
+                for flag in flags.take(if model == "pet" { 2 } else { 1 }) {
+                    let output = Command::new(own)
+                        .env(STORAGE, storage)
+                        .env(THREADS, threads)
+                        .args([flag, file.to_str().unwrap(), invariant])
+                        .output()
+                        .unwrap();
+                    let output = String::from_utf8_lossy(&output.stdout).into_owned();
+                    assert!(
+                        output.starts_with(&format!("{states} {transitions} ")),
+                        "{model} {storage} {threads} {flag}: {output}"
+                    );
+                }
+            }
+        }
+        println!(
+            "{model:6} {states} states and {transitions} transitions in every storage, with 1 to 3 threads"
+        );
+    }
 }
 
 /// CPU seconds, and the output of a command.
@@ -122,8 +202,9 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.get(numbers.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Verifies one model; prints states, transitions, packed bytes and the greatest memory of the process in KiB.
-fn child(model: &Path, property: &str, fair: &[String]) {
+/// Verifies one model; prints states, transitions, packed bytes, the greatest memory of the process in KiB, and that without the pages of
+/// files, which are the program and its libraries.
+fn child(model: &Path, property: &str, fair: &[String], without_grounding: bool) {
     let mut files = MemoryFiles::new();
     let text = std::fs::read_to_string(model).unwrap();
     let imports = "import StandardLibrary\nimport LTLLibrary";
@@ -141,24 +222,30 @@ fn child(model: &Path, property: &str, fair: &[String]) {
             })
             .collect(),
         threads: threads(),
+        storage: storage(),
+        without_grounding,
         ..Options::default()
     };
     let Ok(found) = verify(specification, &options, &mut |_| true) else {
         return;
     };
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let peak = peak.and_then(|line| line.split_whitespace().next());
+    let kib = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name));
+        let number = line.and_then(|line| line.split_whitespace().next());
+        number.and_then(|it| it.parse::<u64>().ok()).unwrap_or(0)
+    };
+    let peak = kib("VmHWM:");
     let holds = found
         .properties
         .first()
         .is_some_and(|it| it.verdict.holds());
     println!(
-        "{} {} {} {} {holds}",
+        "{} {} {} {peak} {} {holds}",
         found.states,
         found.transitions,
         found.memory,
-        peak.unwrap_or("0")
+        peak.saturating_sub(kib("RssFile:"))
     );
 }
 
@@ -210,10 +297,16 @@ fn liveness(models: &Path, own: &Path, scratch: &Path) {
             theirs.push(seconds);
         }
     }
+    let seconds = median(ours.clone());
+    if theirs.is_empty() {
+        println!(
+            "pet, liveness: {seconds:.3} CPU s; not compared, because Spin or a C compiler is missing"
+        );
+        return;
+    }
     let ratios = theirs.iter().zip(&ours).map(|(theirs, ours)| theirs / ours);
     println!(
-        "pet, liveness: {:.3} CPU s, Spin -a -f {:.3}, ratio {:.2}",
-        median(ours.clone()),
+        "pet, liveness: {seconds:.3} CPU s, Spin -a -f {:.3}, ratio {:.2}",
         median(theirs.clone()),
         median(ratios.collect())
     );
@@ -222,9 +315,9 @@ fn liveness(models: &Path, own: &Path, scratch: &Path) {
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     if let [_, flag, model, property, fair @ ..] = arguments.as_slice()
-        && flag == "--model"
+        && (flag == "--model" || flag == "--machine")
     {
-        return child(Path::new(model), property, fair);
+        return child(Path::new(model), property, fair, flag == "--machine");
     }
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/verify");
     if !models.exists() {
@@ -236,7 +329,7 @@ fn main() {
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("spin");
     let mut ratios = Vec::new();
     println!(
-        "{:6} {:>10} {:>11} {:>9} {:>9} {:>9} {:>7} {:>7} {:>8}",
+        "{:6} {:>10} {:>11} {:>9} {:>9} {:>9} {:>7} {:>7} {:>8} {:>8}",
         "model",
         "states",
         "transitions",
@@ -245,7 +338,8 @@ fn main() {
         "Spin CPU",
         "ratio",
         "B/state",
-        "process"
+        "process",
+        "private"
     );
     for (model, states, transitions, invariant) in MODELS {
         let file = models.join(format!("{model}.asm"));
@@ -278,18 +372,20 @@ fn main() {
         let per_state = |bytes: Option<u64>| bytes.unwrap_or(0) as f64 / states as f64;
         let seconds = median(ours);
         println!(
-            "{model:6} {states:>10} {transitions:>11} {seconds:>9.3} {:>9.0} {:>9.3} {:>7.2} {:>7.1} {:>8.1}  {}",
+            "{model:6} {states:>10} {transitions:>11} {seconds:>9.3} {:>9.0} {:>9.3} {:>7.2} {:>7.1} {:>8.1} {:>8.1}  {}",
             states as f64 / seconds / 1000.0,
             median(theirs),
             median(ratio.clone()),
             per_state(number(2)),
             per_state(number(3).map(|it| it * 1024)),
-            words.get(4).unwrap_or(&"")
+            per_state(number(4).map(|it| it * 1024)),
+            words.get(5).unwrap_or(&"")
         );
         ratios.extend(pan.map(|_| median(ratio)));
     }
     speed_up(&models, &own);
     liveness(&models, &own, &scratch);
+    counts(&models, &own);
     if ratios.is_empty() {
         println!(
             "*** SKIPPED: the comparison needs Spin and a C compiler (Debian: apt-get install spin gcc)"

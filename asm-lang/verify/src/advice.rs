@@ -122,7 +122,7 @@ impl OccurringValues {
         let mut found: BTreeMap<(usize, FunctionId), BTreeSet<Value>> = BTreeMap::new();
         let mut last = None;
         for node in 0..exploration.nodes() {
-            let state = exploration.state_of.get(node as usize);
+            let state = exploration.state_number(node);
             if state == last {
                 continue;
             }

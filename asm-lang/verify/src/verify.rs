@@ -408,7 +408,8 @@ impl Exploring<'_> {
     /// properties are about all locations, so that they must not be selected.
     fn cone(&self) -> Option<BTreeSet<usize>> {
         let only = self.options.only.as_slice();
-        if !self.options.cone || only.is_empty() {
+        // advice is about all locations
+        if !self.options.cone || self.options.advice || only.is_empty() {
             return None;
         }
         let mut conditions = BTreeSet::new();
@@ -440,9 +441,7 @@ impl Exploring<'_> {
             storage: storage_of(&self.options.storage),
             symmetry: self.options.symmetry,
         };
-        // advice counts every branch, which grounded steps do not have
-        let is_groundable = !self.options.without_grounding && !self.options.advice;
-        if is_groundable {
+        if !self.options.without_grounding {
             if options.cone.is_some() {
                 options.keeps_edges = false;
                 let part = grounded::explore(system, conditions, &options, self.fair, proceed)?;

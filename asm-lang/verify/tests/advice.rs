@@ -1,6 +1,7 @@
 //! Advice and mutants.
 
 use crate::models::LAMP;
+use crate::naive::Random;
 use crate::{open, verified};
 use asmotion_verify::{AdviceKind, Options, mutants, verify};
 
@@ -54,6 +55,56 @@ fn advice_names_what_never_happens() {
     let mut incomplete = options.clone();
     incomplete.limits.depth = Some(0);
     assert!(verified(ODD, &incomplete).advice.is_empty());
+}
+
+/// Verifies with advice, in grounded form or by a machine; returns what is listed.
+fn advised(text: &str, without_grounding: bool) -> (bool, Vec<String>) {
+    let options = Options {
+        advice: true,
+        without_grounding,
+        ..Options::default()
+    };
+    let found = verified(text, &options);
+    let advice = found.advice.iter();
+    let advice = advice.map(|it| format!("{:?} {:?} {}", it.place, it.kind, it.text));
+    (found.is_grounded, advice.collect())
+}
+
+#[test]
+fn grounded_steps_give_the_same_advice() {
+    let mut random = Random(0xad71_ce5e_ed00_0017);
+    let (mut grounded, mut lines) = (0, 0);
+    for _ in 0..200 {
+        let text = random.specification();
+        let (is_grounded, advice) = advised(&text, false);
+        let (is_machine, expected) = advised(&text, true);
+        assert!(!is_machine);
+        assert_eq!(advice, expected, "{text}");
+        grounded += usize::from(is_grounded);
+        lines += expected.len();
+    }
+    assert!(grounded > 100 && lines > 200, "{grounded} {lines}");
+    let mut compared = 0;
+    for folder in ["allocation", "estop", "navigation", "patrol", "recovery"] {
+        let file = if folder == "navigation" {
+            "navigate"
+        } else {
+            folder
+        };
+        let path = format!("../../specs/{folder}/{file}.asm");
+        let specification = |without_grounding| {
+            let text = std::fs::read_to_string(&path).unwrap();
+            // dead branches, values and updates besides those that the file has
+            let dead = text.replacen(" then", " and 1 > 2 then", 1);
+            [text, dead].map(|text| advised(&text, without_grounding))
+        };
+        let (found, expected) = (specification(false), specification(true));
+        for ((is_grounded, found), (_, expected)) in found.into_iter().zip(expected) {
+            assert_eq!(found, expected, "{path}");
+            compared += usize::from(is_grounded);
+        }
+    }
+    assert!(compared >= 6, "{compared}");
 }
 
 #[test]
