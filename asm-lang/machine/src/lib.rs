@@ -13,6 +13,7 @@ mod choose;
 mod compile;
 mod direct;
 mod direct_evaluation;
+mod elements;
 mod environment;
 mod extent;
 mod fault;

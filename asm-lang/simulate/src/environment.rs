@@ -83,9 +83,9 @@ impl Script {
         self.at = step;
     }
 
-    /// Returns `true` if the script plays partners.
-    pub fn has_partners(&self) -> bool {
-        !self.answers.is_empty()
+    /// Returns the replies of simulated partners.
+    pub fn answers(&self) -> &[ScriptedAnswer] {
+        &self.answers
     }
 
     /// Advances to the inputs of the next step.

@@ -19,6 +19,7 @@ pub use awaited_update::{AwaitError, AwaitedUpdate};
 pub use clock::SimulationClock;
 pub use codes::CODES;
 pub use environment::Script;
+pub use partner::ScriptedAnswer;
 pub use random::{Random, Seeded};
 pub use recording::{RecordedChoices, RecordedInputs, RecordedStep, Recording, Ticks};
 pub use show::{applied, location, sent, updates};

@@ -5,7 +5,7 @@ use asmotion_value::Value;
 
 /// A scripted reply to an operation.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ScriptedAnswer {
+pub struct ScriptedAnswer {
     /// The agent that represents the partner.
     pub partner: Value,
     /// Name of the operation.

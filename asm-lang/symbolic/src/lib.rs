@@ -3,7 +3,6 @@
 
 mod bdd;
 mod branching;
-mod elements;
 mod encoding;
 mod error;
 mod evaluator;

@@ -1,7 +1,6 @@
 //! A program as a transition system over Boolean variables.
 
 use crate::bdd::{Bdd, BddStore, BitIndex};
-use crate::elements::elements;
 use crate::encoding::{Inputs, SlotCode, Slots};
 use crate::error::SymbolicError;
 use crate::evaluator::{Evaluator, GuardedFault, InputValues};
@@ -11,8 +10,8 @@ use asmotion_lang::ir::{CoveragePoint, FunctionId, Origin, Slot};
 use asmotion_lang::{Machine, Value};
 use std::collections::BTreeMap;
 
-/// Limit for the values of a location.
-const MAX_VALUES: usize = 4096;
+/// Limit for the values of a location, and for the elements of a domain.
+pub(crate) const MAX_VALUES: usize = 4096;
 
 /// Limit for the rounds in which the values of locations are found.
 const MAX_ROUNDS: usize = 300;
@@ -147,7 +146,7 @@ fn grow(
             let initial = machine.state().get(slot).clone();
             let function = machine.state().function(program, slot);
             let function = function.and_then(|id| program.functions.get(id.0 as usize));
-            let values = function.and_then(|it| elements(machine, &it.codomain));
+            let values = function.and_then(|it| machine.elements(&it.codomain, MAX_VALUES));
             let mut values = values.filter(|it| it.len() <= 256).unwrap_or_default();
             if !values.contains(&initial) {
                 values.insert(0, initial);

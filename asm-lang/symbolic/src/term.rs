@@ -5,6 +5,7 @@ use crate::error::SymbolicError;
 use crate::evaluator::{Evaluator, MAX_COMBINATIONS};
 use crate::fault::FaultClass;
 use crate::guarded::Guarded;
+use crate::model::MAX_VALUES;
 use asmotion_lang::Value;
 use asmotion_lang::ir::{
     Arithmetic, BodyId, Collection, FunctionId, Origin, Term, TermNode, ValueShape,
@@ -417,7 +418,8 @@ impl Evaluator<'_> {
         shape: &ValueShape,
         origin: Origin,
     ) -> Result<Vec<Value>, SymbolicError> {
-        crate::elements::elements(self.machine, shape).ok_or_else(|| {
+        let elements = self.machine.elements(shape, MAX_VALUES);
+        elements.ok_or_else(|| {
             SymbolicError::unsupported(origin, "a domain without finitely many elements")
         })
     }

@@ -4,7 +4,8 @@
 use crate::decisions::Decisions;
 use crate::explore::{Exploration, Truths};
 use crate::guards::{on_one_line, rule_with};
-use crate::inputs::elements;
+use crate::inputs::MAX_VALUES;
+use crate::observer::OBSERVER;
 use crate::preparation::Prepared;
 use crate::system::VerifiedMachine;
 use crate::transition::TransitionSystem;
@@ -57,7 +58,8 @@ pub(crate) fn advice<S: TransitionSystem>(
     properties: &Prepared,
 ) -> (Vec<SpecificationAdvice>, bool) {
     let mut all = properties_about_nothing(properties, exploration);
-    for (index, (known, machine)) in machines.iter().zip(system.machines()).enumerate() {
+    let moving = machines.iter().zip(system.machines()).enumerate();
+    for (index, (known, machine)) in moving.filter(|(_, (known, _))| known.name != OBSERVER) {
         let adviser = MachineAdviser {
             index,
             known,
@@ -68,7 +70,8 @@ pub(crate) fn advice<S: TransitionSystem>(
     }
     let values = OccurringValues::of(system, exploration);
     let steps = ExaminedSteps::of(system, exploration);
-    for (index, (known, machine)) in machines.iter().zip(system.machines()).enumerate() {
+    let moving = machines.iter().zip(system.machines()).enumerate();
+    for (index, (known, machine)) in moving.filter(|(_, (known, _))| known.name != OBSERVER) {
         let adviser = MachineAdviser {
             index,
             known,
@@ -285,7 +288,7 @@ impl MachineAdviser<'_> {
                 .functions
                 .get(id.0 as usize)
                 .filter(|_| is_updated)?;
-            let all = elements(self.machine, program, &compiled.codomain)?;
+            let all = self.machine.elements(&compiled.codomain, MAX_VALUES)?;
             let found = values.0.get(&(self.index, FunctionId(id.0)))?;
             if all.len() > MAX_DOMAIN {
                 return None;

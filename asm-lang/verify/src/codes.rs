@@ -13,6 +13,7 @@ pub(crate) mod m010;
 pub(crate) mod m011;
 pub(crate) mod m012;
 pub(crate) mod m013;
+pub(crate) mod m014;
 pub(crate) mod m020;
 pub(crate) mod m030;
 
@@ -34,6 +35,7 @@ pub const CODES: &[&Code] = &[
     m011::MailboxOverflow::CODE,
     m012::SeveralMachines::CODE,
     m013::StorageFailure::CODE,
+    m014::SteadyGrowth::CODE,
     m020::UnknownFairName::CODE,
     m030::NotSymbolic::CODE,
 ];

@@ -2,7 +2,7 @@
 
 use crate::decisions::Decisions;
 use crate::mail::MessagePlan;
-use crate::post::{DelayedMessage, ExpectedReply, PendingReply, Post, ReplyUse};
+use crate::post::{DelayedMessage, ExpectedReply, PendingReply, Post, ReplyUse, ScriptedReply};
 use crate::transition::{FaultCause, FullMailbox, MachineFault};
 use crate::translation::translated;
 use asmotion_lang::ir::ValueShape;
@@ -17,6 +17,8 @@ pub(crate) struct MessageDelivery<'a> {
     pub machines: &'a mut Vec<Machine>,
     pub post: &'a mut Post,
     pub decisions: &'a Decisions,
+    /// Number of steps that are done.
+    pub steps: usize,
     /// Events of messages, in words.
     pub events: &'a mut Vec<String>,
 }
@@ -45,6 +47,7 @@ impl MessageDelivery<'_> {
     /// system.
     pub fn arrive(&mut self, index: usize) -> Arrivals {
         let mut arrivals = self.letters(index);
+        arrivals.is_any |= self.scripted_replies(index);
         arrivals.label |= self.ends_of_calls(index, &mut arrivals.is_any);
         arrivals.is_any |= self.expected_replies(index);
         arrivals.is_any |= self.requests_from_outside(index);
@@ -86,10 +89,15 @@ impl MessageDelivery<'_> {
         };
         let (mut waits, mut ends) = (false, false);
         for call in machine.pending_calls() {
+            // the script says when it ends
+            if self.post.is_scripted(index, call.id) {
+                continue;
+            }
             let operation = operation_of(&call.operation);
             let mail = self.plan.machines.get(index);
             let asked = mail.and_then(|it| it.asked(&call.to, &operation));
-            let is_outside = asked.is_some_and(|it| it.provider.is_none());
+            let is_played = self.plan.answer(&call.to, &operation).is_some();
+            let is_outside = !is_played && asked.is_some_and(|it| it.provider.is_none());
             let mut outcomes: Vec<Result<Value, CallFault>> = Vec::new();
             if let (Some(asked), true) = (asked, is_outside) {
                 outcomes.extend(asked.replies.iter().cloned().map(Ok));
@@ -120,6 +128,47 @@ impl MessageDelivery<'_> {
         }
         *arrives |= ends;
         if waits && !ends { 0 } else { Arrivals::CALLS }
+    }
+
+    /// The replies of the script that are due arrive, or later if messages are delayed.
+    fn scripted_replies(&mut self, index: usize) -> bool {
+        let step = self.steps as u64 + 1;
+        let mut arrives = false;
+        for reply in std::mem::take(&mut self.post.scripted) {
+            let is_due = reply.machine == index && reply.step <= step;
+            if !is_due || self.plan.model.is_delayed && self.decisions.decide(2) == 1 {
+                self.post.scripted.push(reply);
+                continue;
+            }
+            let (Some(answer), Some(machine)) = (
+                self.plan.scripted.get(reply.answer),
+                self.machines.get_mut(index),
+            ) else {
+                continue;
+            };
+            let operation = &answer.operation;
+            let what = match (&answer.outcome, reply.reply) {
+                (outcome, ReplyUse::Call(call)) => {
+                    machine.end_call(call, outcome.clone());
+                    match outcome {
+                        Ok(_) => format!("the reply to `{operation}` arrives"),
+                        Err(_) => format!("the call `{operation}` fails"),
+                    }
+                }
+                (Ok(data), ReplyUse::Message | ReplyUse::Ignored) => {
+                    let partner = answer.partner.clone();
+                    machine.deliver(partner, reply.agent, operation, data.clone());
+                    format!("the reply to `{operation}` arrives")
+                }
+                (Err(_), ReplyUse::Message | ReplyUse::Ignored) => {
+                    machine.set_unsent(reply.agent, operation);
+                    format!("`{operation}` was not sent")
+                }
+            };
+            arrives = true;
+            self.event(what, index);
+        }
+        arrives
     }
 
     /// Partners outside the system reply to messages whose replies are received as messages.
@@ -258,6 +307,10 @@ impl MessageDelivery<'_> {
         data: &Value,
         is_call: bool,
     ) -> Result<(), MachineFault> {
+        if let Some(answer) = self.plan.answer(&message.to, &operation) {
+            self.request_from_script(index, message, answer, is_call);
+            return Ok(());
+        }
         let mail = self.plan.machines.get(index);
         let Some(asked) = mail.and_then(|it| it.asked(&message.to, &operation)) else {
             return Ok(());
@@ -303,6 +356,35 @@ impl MessageDelivery<'_> {
                 Ok(())
             }
         }
+    }
+
+    /// A request for a partner that the script plays: it is lost, or its reply is scheduled.
+    fn request_from_script(
+        &mut self,
+        index: usize,
+        message: &SentMessage,
+        answer: usize,
+        is_call: bool,
+    ) {
+        let Some(scripted) = self.plan.scripted.get(answer) else {
+            return;
+        };
+        if self.plan.model.is_lossy && self.decisions.decide(2) == 1 {
+            self.event(format!("`{}` is lost", scripted.operation), index);
+            return;
+        }
+        self.post.scripted.push(ScriptedReply {
+            machine: index,
+            // the step that sends it is not counted yet
+            step: (self.steps as u64 + 1).saturating_add(scripted.after),
+            answer,
+            agent: message.from.clone(),
+            reply: if is_call {
+                ReplyUse::Call(message.id)
+            } else {
+                ReplyUse::Message
+            },
+        });
     }
 
     /// Translates the content of a message for its receiver.

@@ -3,7 +3,7 @@
 use crate::codes::m020::UnknownFairName;
 use crate::codes::main_rule;
 use crate::fair_moves::{FairMove, FairMoves, MAX_FAIR_MOVES, MovedBy};
-use crate::inputs::elements;
+use crate::inputs::MAX_VALUES;
 use crate::options::FairName;
 use crate::preparation::report_of;
 use crate::system::VerifiedMachine;
@@ -165,7 +165,7 @@ fn moved_by(
         return Err(NO_SUCH_NAME);
     };
     let shape = ValueShape::Domain(DomainId(index as u32));
-    let Some(agents) = elements(machine, machine.program(), &shape) else {
+    let Some(agents) = machine.elements(&shape, MAX_VALUES) else {
         return Err("the elements of the domain cannot be enumerated");
     };
     let places = places(specification, domain);

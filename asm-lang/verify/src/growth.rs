@@ -1,6 +1,7 @@
 //! Locations that take ever new values: the usual reason for which an exploration does not end.
 
 use crate::explore::Exploration;
+use crate::inputs::MAX_VALUES;
 use crate::system::{VerifiedMachine, declared_at};
 use crate::transition::TransitionSystem;
 use asmotion_diagnostics::Span;
@@ -88,7 +89,7 @@ fn is_unbounded(machine: &Machine, function: FunctionId) -> bool {
             FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared => true,
             FunctionKind::Monitored | FunctionKind::Local | FunctionKind::Fixed => false,
         };
-        is_updated && crate::inputs::elements(machine, machine.program(), &it.codomain).is_none()
+        is_updated && machine.elements(&it.codomain, MAX_VALUES).is_none()
     })
 }
 

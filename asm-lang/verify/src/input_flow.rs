@@ -7,7 +7,7 @@
 mod rule;
 mod term;
 
-use crate::inputs::{InputRanges, elements};
+use crate::inputs::{InputRanges, MAX_VALUES};
 use asmotion_lang::ir::{
     BinderRange, Body, BodyId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Term,
     ValueShape,
@@ -336,7 +336,8 @@ impl InputFlow<'_> {
         {
             return Denotation::any();
         }
-        elements(self.machine, self.program, shape).map_or_else(Denotation::any, Denotation::listed)
+        let elements = self.machine.elements(shape, MAX_VALUES);
+        elements.map_or_else(Denotation::any, Denotation::listed)
     }
 
     /// The values of a function's locations.

@@ -120,6 +120,7 @@ impl<'a> MachineSystem<'a> {
             machines: &mut self.machines,
             post: &mut self.post,
             decisions,
+            steps: self.scripted,
             events: &mut self.events,
         }
     }

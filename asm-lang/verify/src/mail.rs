@@ -1,11 +1,12 @@
 //! Messages of a system: who exchanges them with whom, and the alternatives of partners that are not part of the system.
 
 use crate::codes::m005::UnknownContent;
-use crate::inputs::elements;
+use crate::inputs::MAX_VALUES;
 use crate::system::{MessageLink, SystemSpecification, VerifiedMachine};
 use asmotion_diagnostics::{Finding, Span};
 use asmotion_lang::hir::{Model, TermKind, Type};
 use asmotion_lang::ir::{FunctionKind, MessageRole, message_uses};
+use asmotion_lang::simulate::{Script, ScriptedAnswer};
 use asmotion_lang::stdlib::operation as operation_name;
 use asmotion_lang::{Machine, Report, Value};
 
@@ -108,12 +109,20 @@ impl MachineMessages {
 pub(crate) struct MessagePlan {
     pub model: MessageModel,
     pub machines: Vec<MachineMessages>,
+    /// Replies of partners that a script plays. There is one machine then.
+    pub scripted: Vec<ScriptedAnswer>,
 }
 
 impl MessagePlan {
     /// Returns `true` if a machine exchanges messages.
     pub fn is_used(&self) -> bool {
         self.machines.iter().any(|it| it.is_used)
+    }
+
+    /// Returns the index of the scripted reply of a partner to an operation.
+    pub fn answer(&self, partner: &Value, operation: &str) -> Option<usize> {
+        let mut scripted = self.scripted.iter();
+        scripted.position(|it| it.partner == *partner && it.operation == operation)
     }
 
     /// Describes what is assumed of messages.
@@ -133,6 +142,12 @@ impl MessagePlan {
             "arrive before the next step of their receiver"
         };
         assumed.push(format!("messages {lost} and {late}"));
+        for answer in &self.scripted {
+            assumed.push(format!(
+                "`{}` is answered as the script says",
+                answer.operation
+            ));
+        }
         let mut served = self.machines.iter().flat_map(|it| &it.served);
         if served.any(|it| !it.requests.is_empty()) {
             let bound = self.model.mailbox;
@@ -152,10 +167,13 @@ impl MessagePlan {
         machines: &[Machine],
         model: MessageModel,
         contents: &[ContentValues],
+        script: Option<&Script>,
     ) -> Result<Self, (usize, Report)> {
+        let scripted = script.map(Script::answers).unwrap_or_default();
         let mut plan = Self {
             model,
             machines: Vec::new(),
+            scripted: scripted.to_vec(),
         };
         let links = links_by_name(system);
         for (index, known) in system.machines.iter().enumerate() {
@@ -168,6 +186,7 @@ impl MessagePlan {
                 machine,
                 links: &links,
                 contents,
+                scripted,
                 report: Report::new(),
             };
             let (messages, report) = own.messages();
@@ -257,6 +276,7 @@ struct MailReader<'a> {
     machine: &'a Machine,
     links: &'a [MessageLink],
     contents: &'a [ContentValues],
+    scripted: &'a [ScriptedAnswer],
     report: Report,
 }
 
@@ -280,9 +300,11 @@ impl MailReader<'_> {
                 let is_received = used.role == MessageRole::Serve && is_of_partner(used.partner);
                 (is_reply || is_received) && operation_name(used.operation) == operation
             });
+            let mut scripted = self.scripted.iter();
+            let is_played = scripted.any(|it| it.partner == partner && it.operation == operation);
             let replies = match (provider, awaited) {
-                (None, Some(used)) => self.replies(&partner, &operation, used.at),
-                (Some(_), _) | (None, None) => Vec::new(),
+                (None, Some(used)) if !is_played => self.replies(&partner, &operation, used.at),
+                (Some(_), _) | (None, _) => Vec::new(),
             };
             if !messages.partners.contains(&partner) {
                 messages.partners.push(partner.clone());
@@ -320,6 +342,11 @@ impl MailReader<'_> {
                 requests,
             });
         }
+        for answer in self.scripted {
+            if !messages.partners.contains(&answer.partner) {
+                messages.partners.push(answer.partner.clone());
+            }
+        }
         // requests from other specifications have undef as their sender and receiver
         if !messages.served.is_empty() {
             messages.partners.push(Value::Undef);
@@ -356,7 +383,7 @@ impl MailReader<'_> {
         if !known.replies {
             return Vec::new();
         }
-        if let Some(values) = elements(self.machine, program, &known.gives) {
+        if let Some(values) = self.machine.elements(&known.gives, MAX_VALUES) {
             return values;
         }
         let naming = self.machine.naming();
@@ -380,7 +407,7 @@ impl MailReader<'_> {
         if has_no_data {
             return vec![Value::Bool(true)];
         }
-        if let Some(values) = elements(self.machine, program, &known.takes) {
+        if let Some(values) = self.machine.elements(&known.takes, MAX_VALUES) {
             return values;
         }
         self.refuse("requests", operation.to_owned(), at)

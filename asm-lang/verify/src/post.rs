@@ -59,6 +59,19 @@ pub(crate) struct ExpectedReply {
     pub operation: String,
 }
 
+/// A reply of a partner that a script plays.
+#[derive(Clone, Debug)]
+pub(crate) struct ScriptedReply {
+    pub machine: usize,
+    /// Number of the step before which it arrives, from 1.
+    pub step: u64,
+    /// Index of the scripted reply.
+    pub answer: usize,
+    /// The agent that sent the request.
+    pub agent: Value,
+    pub reply: ReplyUse,
+}
+
 /// The messages that no machine holds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Post {
@@ -66,9 +79,17 @@ pub(crate) struct Post {
     pub letters: Vec<DelayedMessage>,
     pub exchanges: Vec<PendingReply>,
     pub expected: Vec<ExpectedReply>,
+    /// In the order of their requests.
+    pub scripted: Vec<ScriptedReply>,
 }
 
 impl Post {
+    /// Returns `true` if the script has a reply to a call.
+    pub fn is_scripted(&self, machine: usize, call: MessageId) -> bool {
+        let mut scripted = self.scripted.iter();
+        scripted.any(|it| it.machine == machine && it.reply == ReplyUse::Call(call))
+    }
+
     /// Applies the new numbers of a machine's messages, and forgets what refers to messages that are no longer known.
     pub fn renumber(&mut self, machine: usize, known: &[(MessageId, MessageId)]) {
         let new = |id: MessageId| {
@@ -104,6 +125,17 @@ impl Post {
             // a late reply has no effect, but a late request is received
             known.is_some() || !it.is_reply
         });
+        self.scripted.retain_mut(|it| {
+            if let ReplyUse::Call(call) = it.reply
+                && it.machine == machine
+            {
+                match new(call) {
+                    Some(id) => it.reply = ReplyUse::Call(id),
+                    None => return false,
+                }
+            }
+            true
+        });
         // their order has no effect
         self.exchanges
             .sort_by_key(|it| (it.provider, it.request, it.client));
@@ -114,6 +146,7 @@ impl Post {
         let is_it =
             |client: usize, reply: ReplyUse| client == machine && reply == ReplyUse::Call(call);
         self.exchanges.retain(|it| !is_it(it.client, it.reply));
+        self.scripted.retain(|it| !is_it(it.machine, it.reply));
         self.letters
             .retain(|it| !(it.is_reply && is_it(it.client(), it.reply)));
         for letter in &mut self.letters {
@@ -153,6 +186,14 @@ impl Post {
             writer.value(&expected.agent);
             writer.value(&expected.partner);
             writer.text(&expected.operation);
+        }
+        writer.number(self.scripted.len() as u64);
+        for scripted in &self.scripted {
+            writer.number(scripted.machine as u64);
+            writer.number(scripted.step);
+            writer.number(scripted.answer as u64);
+            writer.value(&scripted.agent);
+            writer.reply(scripted.machine, scripted.reply);
         }
     }
 
@@ -202,6 +243,17 @@ impl Post {
                 agent: from.value(known)?,
                 partner: from.value(known)?,
                 operation: from.text()?,
+            });
+        }
+        for _ in 0..from.number()? {
+            let machine = from.index()?;
+            let known = machines.get(machine)?;
+            post.scripted.push(ScriptedReply {
+                machine,
+                step: from.number()?,
+                answer: from.index()?,
+                agent: from.value(known)?,
+                reply: from.reply(known)?,
             });
         }
         Some(post)

@@ -1,13 +1,14 @@
 //! Properties as formulas: the terms of a specification, and those from outside, become conditions and formulas.
 
 use crate::codes::m003::NoTemporalFormula;
-use crate::codes::m012::SeveralMachines;
 use crate::explore::Conditions;
 use crate::final_states;
 use crate::formula::{Formula, Formulas, Logic};
 use crate::logic::FairnessFormula;
+use crate::observer::Observer;
 use crate::options::Options;
 use crate::property::PropertyKind;
+use crate::qualifier::{qualifiers, unqualified};
 use crate::reads::Reads;
 use crate::system::{InputSources, VerifiedMachine};
 use crate::transition::ConditionTerm;
@@ -52,6 +53,7 @@ pub(crate) fn prepare(
     machines: &mut [VerifiedMachine],
     options: &Options,
     sources: &InputSources,
+    observer: &Observer,
 ) -> Result<Prepared, (usize, Report)> {
     let mut declared = Vec::new();
     for machine in machines.iter_mut() {
@@ -62,7 +64,7 @@ pub(crate) fn prepare(
     for (index, machine) in machines.iter_mut().enumerate() {
         machine.specification.lower().map_err(|it| (index, it))?;
     }
-    let mut given = given(machines, options)?;
+    let mut given = given(machines, options, observer)?;
     let mut prepared = Prepared::default();
     for (index, (invariants, properties)) in declared.into_iter().enumerate() {
         let Some(machine) = machines.get_mut(index) else {
@@ -176,10 +178,11 @@ struct GivenTerm {
 }
 
 /// Resolves the terms from outside. In a system of several machines, a term belongs to the machine that it names, as in
-/// `courier.mode = ASKING`, or else to the first one in which it can be resolved.
+/// `courier.mode = ASKING`, to the observer if it names several, or else to the first one in which it can be resolved.
 fn given(
     machines: &mut [VerifiedMachine],
     options: &Options,
+    observer: &Observer,
 ) -> Result<Vec<GivenTerm>, (usize, Report)> {
     let with = |usage: GivenUse, texts: &[String]| -> Vec<(GivenUse, String)> {
         texts.iter().map(|text| (usage, text.clone())).collect()
@@ -192,7 +195,7 @@ fn given(
     let names: Vec<String> = machines.iter().map(|it| it.name.clone()).collect();
     let mut resolved = Vec::new();
     for (usage, text) in all {
-        resolved.push(resolve(machines, &names, usage, text)?);
+        resolved.push(resolve(machines, &names, observer, usage, text)?);
     }
     for (index, machine) in machines.iter_mut().enumerate() {
         if let Some(text) = final_states::condition(&machine.specification) {
@@ -212,6 +215,7 @@ fn given(
 fn resolve(
     machines: &mut [VerifiedMachine],
     names: &[String],
+    observer: &Observer,
     usage: GivenUse,
     text: String,
 ) -> Result<GivenTerm, (usize, Report)> {
@@ -220,22 +224,21 @@ fn resolve(
     } else {
         Vec::new()
     };
-    let candidates: Vec<usize> = match named.as_slice() {
-        [] => (0..machines.len()).collect(),
-        [only] => vec![*only],
-        [first, ..] => {
-            let report = several_machines(machines.get_mut(*first), names, text);
-            return Err((*first, report));
-        }
+    let observed = observer.machine.zip(observer.terms.get(&text));
+    let candidates: Vec<usize> = match (observed, named.as_slice()) {
+        (Some((machine, _)), _) => vec![machine],
+        (None, []) => (0..machines.len()).collect(),
+        (None, named) => named.to_vec(),
     };
     let mut problem = None;
     for index in candidates {
         let Some(machine) = machines.get_mut(index) else {
             continue;
         };
-        let own = match names.get(index) {
-            Some(name) if !named.is_empty() => unqualified(&text, name),
-            Some(_) | None => text.clone(),
+        let own = match (observed, names.get(index)) {
+            (Some((_, own)), _) => own.clone(),
+            (None, Some(name)) if !named.is_empty() => unqualified(&text, name),
+            (None, Some(_) | None) => text.clone(),
         };
         match add(&mut machine.specification, &own) {
             Ok(term) => {
@@ -252,59 +255,18 @@ fn resolve(
     Err(problem.unwrap_or_default())
 }
 
-/// Describes a term about several machines, whose text becomes a source of the first one.
-fn several_machines(first: Option<&mut VerifiedMachine>, names: &[String], text: String) -> Report {
-    let file = first.map(|it| it.specification.sources.add("<property>", text.as_str()));
-    let file = file.unwrap_or_default();
-    let named = names.iter().filter_map(|name| {
-        let place = places_of(&text, name).next()?;
-        Some((name.clone(), Span::new(file, place, place + name.len())))
-    });
-    let mut machines: Vec<(String, Span)> = named.collect();
-    machines.sort_by_key(|(_, at)| at.start);
-    report_of(SeveralMachines { text, machines }.diagnostic())
-}
-
 /// Adds a term to a specification and resolves it.
 fn add(specification: &mut Specification, text: &str) -> Result<Expression, Report> {
-    let file = specification.sources.add("<property>", text);
+    // texts with the same path are one source
+    let sources = &mut specification.sources;
+    let numbered = (2..).map(|number: usize| format!("<property {number}>"));
+    let mut paths = std::iter::once("<property>".to_owned()).chain(numbered);
+    let path = paths.find(|path| sources.find(path).is_none());
+    let file = sources.add(&path.unwrap_or_default(), text);
     let term = asmotion_lang::syntax::parse_term(file, text)?;
     specification.model.add_condition(&term, "a property")?;
     let added = specification.model.added.terms.pop();
     added.ok_or_else(Report::new)
-}
-
-/// Returns the machines that a term names, in order of their indices.
-fn qualifiers(text: &str, names: &[String]) -> Vec<usize> {
-    let is_named = |name: &String| places_of(text, name).next().is_some();
-    let named = names.iter().enumerate().filter(|(_, name)| is_named(name));
-    named.map(|(index, _)| index).collect()
-}
-
-/// Removes the name of a machine before its functions.
-fn unqualified(text: &str, name: &str) -> String {
-    let mut rest = String::new();
-    let mut end = 0;
-    for place in places_of(text, name) {
-        rest.push_str(text.get(end..place).unwrap_or_default());
-        end = place + name.len() + 1;
-    }
-    rest.push_str(text.get(end..).unwrap_or_default());
-    rest
-}
-
-/// Returns the places of `NAME.` before a function.
-fn places_of<'t>(text: &'t str, name: &'t str) -> impl Iterator<Item = usize> + 't {
-    let is_word = |sign: char| sign.is_alphanumeric() || sign == '_' || sign == '$';
-    let places = text.match_indices(name).map(|(place, _)| place);
-    places.filter(move |place| {
-        let before = text.get(..*place).and_then(|it| it.chars().next_back());
-        let after = text.get(place + name.len()..).unwrap_or_default();
-        let mut after = after.chars();
-        !before.is_some_and(|it| is_word(it) || it == '.')
-            && after.next() == Some('.')
-            && after.next().is_some_and(|sign| sign.is_alphabetic())
-    })
 }
 
 /// The translation of all properties.

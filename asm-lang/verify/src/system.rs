@@ -409,7 +409,7 @@ impl SystemSpecification {
 }
 
 /// The functions that a specification declares itself.
-fn own_functions(program: &Program) -> impl Iterator<Item = (FunctionId, &Function)> {
+pub(crate) fn own_functions(program: &Program) -> impl Iterator<Item = (FunctionId, &Function)> {
     let functions = program.functions.iter().enumerate();
     let functions = functions.filter(|(_, it)| it.own && it.mail.is_none() && it.clock.is_none());
     functions.map(|(index, function)| (FunctionId(index as u32), function))

@@ -4,12 +4,13 @@ use crate::decisions::{Decisions, InputValue};
 use crate::system::InputSource;
 use crate::system_plan::SystemPlan;
 use crate::translation::translated;
-use asmotion_lang::ir::{FunctionId, Program};
+use asmotion_lang::ir::{FunctionId, FunctionKind, Program};
 use asmotion_lang::{Environment, Machine, Value};
 use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The machines other than the one that makes a step.
+#[derive(Clone, Copy)]
 pub(crate) struct OtherMachines<'a> {
     pub before: &'a [Machine],
     pub after: &'a [Machine],
@@ -72,8 +73,20 @@ impl SystemInputs<'_> {
                 Cow::Owned(there)
             }
         };
-        let value = self.others.value(source.machine, source.function, &there);
-        let value = value.ok_or_else(missing)?;
+        let provider = machine.program();
+        let provided = provider.functions.get(source.function.0 as usize);
+        let value = if provided.is_some_and(|it| it.kind == FunctionKind::Monitored) {
+            // the observer reads an input of a machine as the machine does
+            let mut inputs = SystemInputs {
+                machine: source.machine,
+                own_program: provider.clone(),
+                ..*self
+            };
+            inputs.read(source.function, &there)?.ok_or_else(missing)?
+        } else {
+            let value = self.others.value(source.machine, source.function, &there);
+            value.ok_or_else(missing)?
+        };
         let declared = own.functions.get(function.0 as usize);
         let shape = declared.map(|it| &it.codomain).ok_or_else(missing)?;
         translated(&value, machine.program(), own, shape).ok_or_else(|| {

@@ -19,6 +19,8 @@ pub(crate) struct SystemPlan {
     pub schedule: MachineSchedule,
     /// The machine that plays the environment.
     pub environment: Option<usize>,
+    /// The machine in which terms about several machines are evaluated; it makes no steps.
+    pub observer: Option<usize>,
     /// Greatest number of inputs that change in a step, if inputs keep their values.
     pub changes: Option<u32>,
     pub script: Option<Script>,
@@ -69,7 +71,7 @@ impl SystemPlan {
     /// Returns the machines that the schedule selects from.
     pub fn scheduled(&self) -> Vec<usize> {
         let all = 0..self.ranges.len();
-        all.filter(|index| Some(*index) != self.environment)
+        all.filter(|index| ![self.environment, self.observer].contains(&Some(*index)))
             .collect()
     }
 

@@ -78,7 +78,7 @@ fn item_of(shape: &ValueShape) -> &ValueShape {
 pub(crate) fn element(name: &str, program: &Program, shape: &ValueShape) -> Option<Value> {
     let atoms = &program.symbols.atoms;
     let range = if let ValueShape::Domain(domain) = shape {
-        declared_atoms(program, *domain)
+        atoms_of(program, *domain)
     } else {
         None
     };
@@ -90,7 +90,7 @@ pub(crate) fn element(name: &str, program: &Program, shape: &ValueShape) -> Opti
 }
 
 /// Returns the range of the atoms of a domain, or of the domain of which it is a subset; `None` if its elements are not declared.
-fn declared_atoms(program: &Program, domain: DomainId) -> Option<std::ops::Range<usize>> {
+pub(crate) fn atoms_of(program: &Program, domain: DomainId) -> Option<std::ops::Range<usize>> {
     let domain = program.domains.get(domain.0 as usize)?;
     match domain.elements {
         DomainElements::Atoms { first, count } => {
@@ -99,7 +99,7 @@ fn declared_atoms(program: &Program, domain: DomainId) -> Option<std::ops::Range
         }
         DomainElements::Ints { .. } => Some(0..0),
         DomainElements::Computed(_) | DomainElements::Undefined | DomainElements::Open => {
-            domain.base.and_then(|base| declared_atoms(program, base))
+            domain.base.and_then(|base| atoms_of(program, base))
         }
     }
 }
@@ -157,7 +157,7 @@ impl<'a> ShapeKind<'a> {
                 if let DomainElements::Ints { .. } = known.elements {
                     return Self::Integer;
                 }
-                let atoms = declared_atoms(program, *domain);
+                let atoms = atoms_of(program, *domain);
                 let atoms = atoms.filter(|_| !known.grows);
                 let names = atoms.and_then(|atoms| program.symbols.atoms.get(atoms));
                 names.map_or(Self::Any, Self::Elements)

@@ -4,6 +4,7 @@ use crate::counterexample::{NodePath, Replay, Run};
 use crate::explore::Incomplete;
 use crate::formula::{Formula, Operator};
 use crate::logic::{self, Checker, FairnessOfSteps, LogicError};
+use crate::observer::OBSERVER;
 use crate::preparation::{Prepared, Property};
 use crate::property::{CheckedProperty, Note, PropertyKind, Verdict};
 use crate::system::VerifiedMachine;
@@ -324,7 +325,8 @@ pub(crate) fn rules_run(
     incomplete: Option<Incomplete>,
 ) -> CheckedProperty {
     let mut rules: Vec<String> = Vec::new();
-    for (machine, counts) in machines.iter().zip(counts) {
+    let moving = machines.iter().zip(counts);
+    for (machine, counts) in moving.filter(|(machine, _)| machine.name != OBSERVER) {
         let coverage = Coverage::of(&machine.specification, counts);
         for (path, file) in &coverage.files {
             let never = file.rules.values().filter(|rule| rule.calls == 0);

@@ -18,6 +18,7 @@ use crate::inputs::InputRanges;
 use crate::logic::visit_conditions;
 use crate::machines::MachineSystem;
 use crate::mail::MessagePlan;
+use crate::observer::Observer;
 #[cfg(feature = "symbolic")]
 use crate::options::Engine;
 use crate::options::{InputValues, Options, Storage};
@@ -26,6 +27,7 @@ use crate::property::CheckedProperty;
 use crate::regions::RepresentedInput;
 use crate::reuse::{self, KeptExploration};
 use crate::spill::Spill;
+use crate::steady_growth::steady_growth;
 use crate::store::{StateStorage, expected_missed};
 use crate::system::{SystemSpecification, VerifiedMachine};
 use crate::system_plan::SystemPlan;
@@ -225,15 +227,27 @@ impl PreparedSystem {
                 system.machines.push(machine);
             }
         }
+        let observer = Observer::of(system, options)?;
+        plan.observer = observer.machine;
         system.connect_by_name()?;
         if let Some(environment) = plan.environment {
             let checked = system.check_environment(environment);
             checked.map_err(|report| (environment, report))?;
         }
         plan.sources = system.input_sources()?;
-        let mut properties = prepare(&mut system.machines, options, &plan.sources)?;
+        let mut properties = prepare(&mut system.machines, options, &plan.sources, &observer)?;
+        let has_limit = options.limits.depth.is_some() || options.limits.states.is_some();
+        // assumptions, scripts and cones may leave out the states in which it grows
+        let is_whole =
+            properties.conditions.assumed.is_empty() && plan.script.is_none() && !options.cone;
         let mut machines = Vec::new();
         for (index, known) in system.machines.iter().enumerate() {
+            if !has_limit
+                && is_whole
+                && let Some(growth) = steady_growth(&known.specification.model)
+            {
+                return Err((index, report_of(growth.diagnostic())));
+            }
             let machine = known.specification.machine();
             let machine =
                 machine.map_err(|fault| (index, report_of(known.specification.explain(&fault))))?;
@@ -256,6 +270,7 @@ impl PreparedSystem {
                 assumptions.push(restriction(machine, input));
             }
         }
+        observer.check_inputs(system, &plan.ranges)?;
         let represented = plan.represent_inputs(&system.machines, &machines)?;
         if let Some(changes) = plan.changes {
             let inputs = if changes == 1 {
@@ -282,7 +297,14 @@ impl PreparedSystem {
         let due = DueFairness::of(&system.machines, &machines, &options.fairness)?;
         assumptions.extend(due.texts);
         properties.has_fairness = !(properties.fairness.is_empty() && due.moves.is_empty());
-        plan.messages = MessagePlan::of(system, &machines, options.messages, &options.contents)?;
+        let script = plan.script.as_ref();
+        plan.messages = MessagePlan::of(
+            system,
+            &machines,
+            options.messages,
+            &options.contents,
+            script,
+        )?;
         assumptions.extend(plan.messages.assumptions());
         Ok(Self {
             properties,

@@ -168,9 +168,11 @@ fn an_environment_that_reads_what_nothing_provides() {
 
 #[test]
 fn a_property_about_several_machines() {
-    let machines = system(vec![machine("door", DOOR), machine("watch", WATCH)]);
+    let derived = "  derived rests: Boolean\ndefinitions:\n  function rests = not moving";
+    let door = DOOR.replace("definitions:", derived);
+    let machines = system(vec![machine("door", &door), machine("watch", WATCH)]);
     let options = Options {
-        properties: vec!["watch.hasMoved implies door.moving".to_owned()],
+        properties: vec!["watch.hasMoved implies door.rests".to_owned()],
         ..Options::default()
     };
     let rendered = refusal(machines, &options);

@@ -119,3 +119,74 @@ definitions:
     assert_eq!((verification.states, verification.incomplete), (2, None));
     assert_eq!(verdict_of(&verification, "few"), "holds");
 }
+
+/// A timer, with the rule that advances it.
+fn timer(rule: &str) -> String {
+    format!(
+        "asm timer
+import StandardLibrary
+signature:
+  monitored runs: Boolean
+  controlled time: Real
+  controlled late: Boolean
+definitions:
+  invariant small over late: not (late and time > 3.0)
+  rule r_advance = time := time + 0.5
+  rule r_set($x in Real) = $x := 0.0
+  main rule r_Main = {rule}
+default init s0:
+  function time = 0.0
+  function late = false
+"
+    )
+}
+
+/// The codes of the findings that refuse a specification.
+fn refusal(text: &str, options: &Options) -> Vec<&'static str> {
+    match asmotion_verify::verify(crate::open(text), options, &mut |_| true) {
+        Ok(_) => Vec::new(),
+        Err(refusal) => {
+            let findings = refusal.report.diagnostics.iter();
+            findings.map(|it| it.code.name).collect()
+        }
+    }
+}
+
+#[test]
+fn a_real_that_grows_in_every_step_is_refused_at_once() {
+    let grows = [
+        "r_advance[]",
+        "par late := runs r_advance[] endpar",
+        "seq r_advance[] late := time > 1.0 endseq",
+        "let ($x = 1.0) in r_advance[] endlet",
+    ];
+    for rule in grows {
+        // without the rule whose parameter it might be
+        let text = timer(rule).replace("  rule r_set($x in Real) = $x := 0.0\n", "");
+        assert_eq!(refusal(&text, &Options::default()), ["M014"], "{rule}");
+        // limits, assumptions
+        for options in [
+            limited(Some(20), None),
+            Options {
+                assumptions: vec!["time < 2.0".to_owned()],
+                ..Options::default()
+            },
+        ] {
+            assert_eq!(refusal(&text, &options), [""; 0], "{rule}");
+        }
+    }
+    let ends = [
+        "if time < 4.0 then r_advance[] endif",
+        "par if time >= 4.0 then time := 0.0 else r_advance[] endif endpar",
+        "seq r_advance[] time := 1.0 endseq",
+        "time := time + 0.0",
+        "time := if time > 2.0 then 0.0 else time + 0.5 endif",
+    ];
+    for rule in ends {
+        assert_eq!(
+            refusal(&timer(rule), &Options::default()),
+            [""; 0],
+            "{rule}"
+        );
+    }
+}

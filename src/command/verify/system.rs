@@ -206,11 +206,5 @@ fn script(
             return Err(Exit::Findings);
         }
     };
-    if script.has_partners() {
-        terminal.error(format_args!(
-            "`{path}` plays partners, which verification does itself: with every reply of their domains, or those of `--values PARTNER.OPERATION=…`"
-        ));
-        return Err(Exit::Usage);
-    }
     Ok(script)
 }

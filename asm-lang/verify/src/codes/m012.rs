@@ -1,42 +1,38 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Property about the locations of several machines
+/// Property that cannot compare machines
 ///
-/// In a system, a property from the command line is resolved in one specification: that of the machine that it names, as in
-/// `courier.mode = ASKING`. A term that compares locations of several machines has no place in any of them.
+/// In a system, a property from the command line may be about several machines, each named before its functions, as in
+/// `courier.jobs <= dispatcher.finished`. It can read their controlled, out, shared and monitored functions. It cannot read derived
+/// and static functions, inputs without a finite domain, elements that `extend` creates, or functions whose domains have the same
+/// name or the same literals but different elements.
 ///
 /// ```text wrong
-/// asmotion verify courier.asm dispatcher.asm --property "courier.jobs <= dispatcher.finished"
+/// asmotion verify --together courier.asm dispatcher.asm --property "courier.isIdle implies dispatcher.finished = 0"
+///
+/// // courier.asm
+///   derived isIdle: Boolean
+/// definitions:
+///   function isIdle = mode = ASKING
 /// ```
 ///
-/// A further specification observes the machines: its inputs read the functions of the others, by name.
-///
 /// ```text corrected
-/// asmotion verify courier.asm dispatcher.asm watch.asm
-///
-/// // watch.asm
-/// signature:
-///   monitored jobs: Integer
-///   monitored finished: Integer
-/// definitions:
-///   invariant over jobs, finished: jobs <= finished
-///   main rule r_Main = skip
+/// asmotion verify --together courier.asm dispatcher.asm --property "courier.mode = ASKING implies dispatcher.finished = 0"
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(M012, error)]
-#[error("`{text}` is about several machines")]
+#[error("`{text}` is about several machines and cannot be resolved: {reason}")]
 pub(crate) struct SeveralMachines {
     pub text: String,
-    /// Names of the machines, each with a place in the text where a location of it is meant.
-    pub machines: Vec<(String, Span)>,
+    pub reason: String,
+    /// The function that cannot be read, or the whole text.
+    pub at: Span,
 }
 
 impl Finding for SeveralMachines {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let labels = self.machines.iter();
-        let diagnostic = labels.fold(diagnostic, |diagnostic, (name, at)| {
-            diagnostic.label(*at, format!("a location of `{name}`"))
-        });
-        diagnostic.help("verify a further specification that observes them: its monitored functions read those of the same names")
+        diagnostic
+            .label(self.at, "here")
+            .help("or verify a further specification that observes the machines: its monitored functions read those of the same names")
     }
 }

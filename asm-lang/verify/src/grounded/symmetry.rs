@@ -12,7 +12,7 @@
 //! elements, or to elements of two domains, this need not be one state for all of them; there are then more states than necessary.
 
 use super::layout::{Field, WordLayout, Words};
-use crate::inputs::elements;
+use crate::inputs::MAX_VALUES;
 use asmotion_ground::{
     GroundProgram, GroundTerm, Renaming, Shapes, accesses_of_rule, accesses_of_term,
 };
@@ -228,7 +228,7 @@ impl Comparison<'_> {
     fn domain(&mut self, domain: DomainId) -> Vec<SymmetricElements> {
         let machine = self.locations.machine;
         let shape = ValueShape::Domain(domain);
-        let Some(all) = elements(machine, machine.program(), &shape) else {
+        let Some(all) = machine.elements(&shape, MAX_VALUES) else {
             return Vec::new();
         };
         if all.len() > MAX_ELEMENTS {

@@ -89,7 +89,9 @@ pub struct SpecialKeys {
     /// Properties of an ASM verified before it starts, with what the other components send it.
     #[key(example = "{ ctl = true }")]
     pub verify: Option<Verify>,
-    /// Specification of what the component sends, depending on what it receives, for the verification of others.
+    /// Specification of what the component sends, depending on what it receives, for the verification of others. `check`
+    /// compares its functions with the ports and operations of the component (`C160`), and their values with those that the ports
+    /// carry (`C161`).
     #[key(example = "\"gripper.asm\"")]
     pub protocol: Option<At<String>>,
     /// `port-proxy`: mapping of operations to ports. `ros-bridge`: mapping of topics to ROS topics.
