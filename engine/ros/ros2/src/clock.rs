@@ -10,7 +10,8 @@ use asmotion_ros_interface::InterfaceName;
 use crate::error::EndpointError;
 use crate::gid::Gid;
 use crate::names;
-use crate::node::{Inner, Node};
+use crate::node::Node;
+use crate::participant::Inner;
 use crate::qos::Qos;
 use crate::reactor::{Incoming, Registration, Sink};
 

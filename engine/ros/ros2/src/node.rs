@@ -1,57 +1,21 @@
-//! Nodes: a participant of DDS with a name, and the endpoints that are created on it.
+//! Nodes, and the endpoints that are created on them.
 
-use std::collections::BTreeSet;
-use std::net::IpAddr;
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use asmotion_datum::{Codec, Schema};
-use asmotion_ros_interface::{Catalogue, InterfaceKind, InterfaceName};
-use rustdds::no_key::DataWriter;
-use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, RTPSEntity, TopicKind};
+use asmotion_ros_interface::{Catalogue, InterfaceName};
 
-use crate::entities::{self, Entities};
 use crate::error::{EndpointError, NodeError};
 use crate::gid::Gid;
-use crate::graph::{Graph, Notice, RemoteNode, SharedGraph};
+use crate::graph::{Graph, Notice};
 use crate::names;
-use crate::payload::{Payload, Raw};
-use crate::publisher::{Outbox, Publisher};
+use crate::participant::{Inner, NodeOptions};
+use crate::publisher::Publisher;
 use crate::qos::Qos;
 use crate::queue::Queue;
-use crate::reactor::{Chore, Reactor, Reader, Registration, Sink};
+use crate::reactor::{Registration, Sink};
 use crate::subscription::{Counters, Decoder, Shared, Subscription};
-
-/// Configuration of a node.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NodeOptions {
-    /// Name: letters, digits and underscores.
-    pub name: String,
-    /// Namespace, in which relative names are; `/` by default.
-    pub namespace: String,
-    /// Domain id, 0 to 232, 0 by default. Participants of other domains are not seen.
-    pub domain: u16,
-    /// Addresses of the network interfaces that are announced and used for multicast; all if empty. Sockets are bound to all
-    /// addresses nevertheless: this is no protection.
-    pub networks: Vec<IpAddr>,
-}
-
-impl NodeOptions {
-    /// A node with this name, in the root namespace, in domain 0, on all networks.
-    pub fn named(name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            namespace: "/".to_owned(),
-            domain: 0,
-            networks: Vec::new(),
-        }
-    }
-}
-
-/// Largest domain id whose ports exist.
-const LAST_DOMAIN: u16 = 232;
 
 /// A node of ROS 2. Endpoints stay usable until they are dropped, but receive nothing after the node is dropped.
 pub struct Node {
@@ -60,76 +24,13 @@ pub struct Node {
     _graph_reader: Registration,
 }
 
-/// What a node and its endpoints share.
-pub(crate) struct Inner {
-    options: NodeOptions,
-    catalogue: Arc<Catalogue>,
-    participant: DomainParticipant,
-    publisher: rustdds::Publisher,
-    subscriber: rustdds::Subscriber,
-    pub(crate) reactor: Arc<Reactor>,
-    pub(crate) graph: Arc<SharedGraph>,
-    /// The endpoints of this node, as they are published in the graph.
-    own: Mutex<Own>,
-    entities: Entities,
-    goals: AtomicU32,
-}
-
-#[derive(Default)]
-struct Own {
-    readers: BTreeSet<Gid>,
-    writers: BTreeSet<Gid>,
-    outbox: Option<Arc<Outbox>>,
-}
-
-fn refused(topic: &str, reason: impl ToString) -> EndpointError {
-    EndpointError::Dds {
-        topic: topic.to_owned(),
-        reason: reason.to_string(),
-    }
-}
-
 impl Node {
     /// Starts a node. It appears in the graph of peers at once.
     ///
     /// # Errors
     /// The name is not valid, or the participant cannot be created.
     pub fn start(options: NodeOptions, catalogue: Arc<Catalogue>) -> Result<Self, NodeError> {
-        names::node(&options.name)?;
-        let options = NodeOptions {
-            namespace: names::namespace(&options.namespace)?,
-            ..options
-        };
-        let domain = options.domain;
-        if domain > LAST_DOMAIN {
-            return Err(NodeError::Domain(domain));
-        }
-        let failed = |error: rustdds::dds::CreateError| NodeError::Participant {
-            domain,
-            reason: error.to_string(),
-        };
-        let mut builder = DomainParticipantBuilder::new(domain);
-        if !options.networks.is_empty() {
-            builder = builder.with_only_networks(options.networks.iter().copied());
-        }
-        let participant = builder.build().map_err(failed)?;
-        let none = QosPolicies::qos_none();
-        let publisher = participant.create_publisher(&none).map_err(failed)?;
-        let subscriber = participant.create_subscriber(&none).map_err(failed)?;
-        let graph = Arc::new(SharedGraph::default());
-        let (reactor, thread) = Reactor::start(&participant, &graph, &options.name)?;
-        let inner = Arc::new(Inner {
-            options,
-            catalogue,
-            participant,
-            publisher,
-            subscriber,
-            reactor,
-            graph,
-            own: Mutex::default(),
-            entities: Entities::new()?,
-            goals: AtomicU32::new(0),
-        });
+        let (inner, thread) = Inner::start(options, catalogue)?;
         let graph_reader = inner.join_graph()?;
         Ok(Self {
             inner,
@@ -213,15 +114,12 @@ impl Node {
 
     /// The name of the node with its namespace.
     pub fn full_name(&self) -> String {
-        let NodeOptions {
-            name, namespace, ..
-        } = &self.inner.options;
-        format!("{}/{name}", namespace.trim_end_matches('/'))
+        self.inner.full_name()
     }
 
     /// The id of the participant.
     pub fn gid(&self) -> Gid {
-        self.inner.participant.guid().into()
+        self.inner.gid()
     }
 }
 
@@ -232,182 +130,6 @@ impl Drop for Node {
         if let Some(thread) = self.thread.take() {
             // the thread does not panic on input; if it did, the message is already out
             let _ = thread.join();
-        }
-    }
-}
-
-impl Inner {
-    pub(crate) fn catalogue(&self) -> &Catalogue {
-        &self.catalogue
-    }
-
-    /// The schema of a message.
-    fn message(&self, of: &InterfaceName) -> Result<Schema, EndpointError> {
-        self.check_kind(of, InterfaceKind::Message, "message")?;
-        let schema = self.catalogue.schema(of)?;
-        self.carried(of, &schema)?;
-        Ok(schema)
-    }
-
-    pub(crate) fn check_kind(
-        &self,
-        of: &InterfaceName,
-        kind: InterfaceKind,
-        needed: &'static str,
-    ) -> Result<(), EndpointError> {
-        if of.kind() == kind {
-            return Ok(());
-        }
-        let of = of.clone();
-        Err(EndpointError::Kind { of, needed })
-    }
-
-    pub(crate) fn carried(&self, of: &InterfaceName, schema: &Schema) -> Result<(), EndpointError> {
-        let carried = Codec::Cdr.carries(schema);
-        carried.map_err(|reason| EndpointError::Uncarried {
-            of: of.clone(),
-            reason,
-        })
-    }
-
-    /// The type hash, with which that of a peer is compared.
-    pub(crate) fn hash(&self, of: &InterfaceName) -> Option<String> {
-        let hash = self.catalogue.type_hash(of);
-        // a folder of definitions may lack those that only the hash needs
-        hash.ok().map(|hash| hash.to_string())
-    }
-
-    pub(crate) fn absolute(&self, name: &str) -> Result<String, names::NameError> {
-        names::absolute(name, &self.options.namespace, &self.options.name)
-    }
-
-    /// A number that no other goal of this node has.
-    pub(crate) fn next_goal(&self) -> u32 {
-        self.goals.fetch_add(1, Ordering::Relaxed)
-    }
-
-    pub(crate) fn gid(&self) -> Gid {
-        self.participant.guid().into()
-    }
-
-    /// Creates a writer of DDS, with its queue.
-    pub(crate) fn writer(
-        &self,
-        topic: &str,
-        kind: &str,
-        qos: Qos,
-        hash: Option<String>,
-    ) -> Result<Arc<Outbox>, EndpointError> {
-        let policies = qos.writer();
-        let dds = self.dds_topic(topic, kind, &policies)?;
-        let created = self
-            .publisher
-            .create_datawriter_no_key(&dds, Some(policies));
-        let writer: DataWriter<Payload, Raw> = created.map_err(|error| refused(topic, error))?;
-        let gid = Gid::from(writer.guid());
-        self.graph.add_local(gid, topic, kind, hash);
-        let outbox = Arc::new(Outbox::new(gid, topic, writer, qos.queue()));
-        let chore: Arc<dyn Chore> = outbox.clone();
-        self.reactor.add_chore(Arc::downgrade(&chore));
-        self.own().writers.insert(gid);
-        self.publish_entities();
-        Ok(outbox)
-    }
-
-    /// Creates a reader of DDS, whose messages go to a sink.
-    pub(crate) fn reader(
-        &self,
-        topic: &str,
-        kind: &str,
-        qos: Qos,
-        hash: Option<String>,
-        sink: impl FnOnce(Gid) -> Box<dyn Sink>,
-    ) -> Result<(Gid, Registration), EndpointError> {
-        let policies = qos.reader();
-        let dds = self.dds_topic(topic, kind, &policies)?;
-        let created = self
-            .subscriber
-            .create_simple_datareader_no_key(&dds, Some(policies));
-        let reader: Reader = created.map_err(|error| refused(topic, error))?;
-        let gid = Gid::from(reader.guid());
-        self.graph.add_local(gid, topic, kind, hash);
-        let registration = self.reactor.read(reader, sink(gid));
-        let registration = registration.map_err(|error| refused(topic, error))?;
-        self.own().readers.insert(gid);
-        self.publish_entities();
-        Ok((gid, registration))
-    }
-
-    fn dds_topic(
-        &self,
-        topic: &str,
-        kind: &str,
-        policies: &QosPolicies,
-    ) -> Result<rustdds::Topic, EndpointError> {
-        let (name, kind) = (topic.to_owned(), kind.to_owned());
-        let created = self
-            .participant
-            .create_topic(name, kind, policies, TopicKind::NoKey);
-        created.map_err(|error| refused(topic, error))
-    }
-
-    /// Removes an endpoint of this node from the graph.
-    pub(crate) fn forget(&self, gid: Gid) {
-        self.graph.remove_local(gid);
-        let mut own = self.own();
-        let known = own.readers.remove(&gid) | own.writers.remove(&gid);
-        drop(own);
-        if known {
-            self.publish_entities();
-        }
-    }
-
-    fn own(&self) -> std::sync::MutexGuard<'_, Own> {
-        self.own.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Publishes the node and its endpoints.
-    fn publish_entities(&self) {
-        let own = self.own();
-        let Some(outbox) = own.outbox.clone() else {
-            return;
-        };
-        let node = RemoteNode {
-            name: self.options.name.clone(),
-            namespace: self.options.namespace.clone(),
-            readers: own.readers.iter().copied().collect(),
-            writers: own.writers.iter().copied().collect(),
-        };
-        drop(own);
-        self.send_entities(&outbox, &[node]);
-    }
-
-    fn send_entities(&self, outbox: &Outbox, nodes: &[RemoteNode]) {
-        // the schema is ours, and a full queue keeps the newest, which is all that counts
-        if let Ok(bytes) = self.entities.encode(self.gid(), nodes) {
-            let _ = outbox.send(bytes.into(), None);
-        }
-    }
-
-    fn join_graph(&self) -> Result<Registration, EndpointError> {
-        let qos = Qos::latched();
-        let (topic, kind) = (entities::TOPIC, entities::TYPE);
-        let listener = self.entities.listener(Arc::clone(&self.graph), self.gid());
-        let (reader, registration) = self.reader(topic, kind, qos, None, |_| Box::new(listener))?;
-        let outbox = self.writer(topic, kind, qos, None)?;
-        let mut own = self.own();
-        // rmw does not list the endpoints of the graph itself
-        own.readers.remove(&reader);
-        own.writers.remove(&outbox.gid);
-        own.outbox = Some(outbox);
-        drop(own);
-        self.publish_entities();
-        Ok(registration)
-    }
-
-    fn leave_graph(&self) {
-        if let Some(outbox) = self.own().outbox.take() {
-            self.send_entities(&outbox, &[]);
         }
     }
 }

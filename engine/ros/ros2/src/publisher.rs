@@ -1,33 +1,15 @@
 //! Publishers.
 
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_datum::{Codec, Datum, Schema};
-use rustdds::bytes::Bytes;
-use rustdds::dds::WriteError;
-use rustdds::no_key::DataWriter;
-use rustdds::{SampleIdentity, WriteOptions, WriteOptionsBuilder};
 
 use crate::error::SendError;
 use crate::gid::Gid;
-use crate::node::Inner;
-use crate::payload::{Payload, Raw};
-use crate::reactor::Chore;
-
-/// Numbers of messages of a publisher.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PublisherCounts {
-    /// Given to DDS.
-    pub sent: u64,
-    /// Dropped because the queue was full: a subscription acknowledges too slowly.
-    pub dropped: u64,
-    /// Refused by DDS.
-    pub refused: u64,
-    /// In the queue.
-    pub waiting: usize,
-}
+use crate::graph::Graph;
+use crate::outbox::{Outbox, PublisherCounts};
+use crate::participant::Inner;
 
 /// Sends messages to a topic.
 pub struct Publisher {
@@ -45,7 +27,7 @@ impl Publisher {
     pub fn send(&self, message: &Datum) -> Result<(), SendError> {
         let bytes = Codec::Cdr.encode(message, &self.schema)?;
         self.outbox.send(bytes.into(), None)?;
-        if self.outbox.lock().waiting.is_empty() {
+        if self.outbox.counts().waiting == 0 {
             return Ok(());
         }
         self.inner.reactor.wake();
@@ -60,17 +42,13 @@ impl Publisher {
     /// Waits until this many subscriptions match, at most for `longest`; returns whether they do.
     pub fn wait_for_matches(&self, count: usize, longest: Duration) -> bool {
         let gid = self.outbox.gid;
-        let enough = |graph: &crate::Graph| graph.matches(gid) >= count;
+        let enough = |graph: &Graph| graph.matches(gid) >= count;
         self.inner.graph.wait(longest, enough)
     }
 
     /// The numbers of messages.
     pub fn counts(&self) -> PublisherCounts {
-        let state = self.outbox.lock();
-        PublisherCounts {
-            waiting: state.waiting.len(),
-            ..state.counts
-        }
+        self.outbox.counts()
     }
 
     /// The id of the writer.
@@ -82,114 +60,5 @@ impl Publisher {
 impl Drop for Publisher {
     fn drop(&mut self) {
         self.inner.forget(self.outbox.gid);
-    }
-}
-
-/// A writer of DDS, and the messages that it did not take yet.
-pub(crate) struct Outbox {
-    pub(crate) gid: Gid,
-    topic: String,
-    writer: DataWriter<Payload, Raw>,
-    capacity: usize,
-    state: Mutex<State>,
-}
-
-#[derive(Default)]
-struct State {
-    waiting: VecDeque<(Bytes, Option<SampleIdentity>)>,
-    counts: PublisherCounts,
-}
-
-impl Outbox {
-    pub(crate) fn new(
-        gid: Gid,
-        topic: &str,
-        writer: DataWriter<Payload, Raw>,
-        capacity: usize,
-    ) -> Self {
-        Self {
-            gid,
-            topic: topic.to_owned(),
-            writer,
-            capacity,
-            state: Mutex::default(),
-        }
-    }
-
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Sends a message, or queues it if others wait or DDS does not take it.
-    pub(crate) fn send(
-        &self,
-        bytes: Bytes,
-        related: Option<SampleIdentity>,
-    ) -> Result<(), SendError> {
-        let mut state = self.lock();
-        self.flush(&mut state);
-        if state.waiting.is_empty() && self.write(&mut state, bytes.clone(), related)?.is_some() {
-            return Ok(());
-        }
-        if state.waiting.len() >= self.capacity {
-            state.waiting.pop_front();
-            state.counts.dropped += 1;
-        }
-        state.waiting.push_back((bytes, related));
-        Ok(())
-    }
-
-    /// Sends a message at once, or not at all; returns its identity.
-    pub(crate) fn send_now(&self, bytes: Bytes) -> Result<Option<SampleIdentity>, SendError> {
-        self.write(&mut self.lock(), bytes, None)
-    }
-
-    fn write(
-        &self,
-        state: &mut State,
-        bytes: Bytes,
-        related: Option<SampleIdentity>,
-    ) -> Result<Option<SampleIdentity>, SendError> {
-        let options: WriteOptions = WriteOptionsBuilder::new()
-            .related_sample_identity_opt(related)
-            .build();
-        // the writer's longest blocking time is zero
-        match self.writer.write_with_options(Payload(bytes), options) {
-            Ok(identity) => {
-                state.counts.sent += 1;
-                Ok(Some(identity))
-            }
-            Err(WriteError::WouldBlock { .. }) => Ok(None),
-            Err(
-                error @ (WriteError::Serialization { .. }
-                | WriteError::Poisoned { .. }
-                | WriteError::Io(_)
-                | WriteError::Internal { .. }),
-            ) => {
-                state.counts.refused += 1;
-                Err(SendError::Dds {
-                    topic: self.topic.clone(),
-                    reason: error.to_string(),
-                })
-            }
-        }
-    }
-
-    fn flush(&self, state: &mut State) {
-        while let Some((bytes, related)) = state.waiting.front().cloned() {
-            // a refused message is counted, and does not come back
-            if matches!(self.write(state, bytes, related), Ok(None)) {
-                return;
-            }
-            state.waiting.pop_front();
-        }
-    }
-}
-
-impl Chore for Outbox {
-    fn run(&self) -> bool {
-        let mut state = self.lock();
-        self.flush(&mut state);
-        !state.waiting.is_empty()
     }
 }

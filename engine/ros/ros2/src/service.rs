@@ -11,7 +11,7 @@ use asmotion_ros_interface::{InterfaceKind, InterfaceName};
 
 use crate::error::EndpointError;
 use crate::names;
-use crate::node::Inner;
+use crate::participant::Inner;
 use crate::qos::Qos;
 
 /// A service as DDS sees it.

@@ -8,7 +8,8 @@ use std::time::Duration;
 use asmotion_datum::{Codec, Datum, Schema};
 
 use crate::gid::Gid;
-use crate::node::Inner;
+use crate::graph::Graph;
+use crate::participant::Inner;
 use crate::queue::Queue;
 use crate::reactor::{Incoming, Registration, Sink};
 
@@ -89,7 +90,7 @@ impl Subscription {
 
     /// Waits until this many publishers match, at most for `longest`; returns whether they do.
     pub fn wait_for_matches(&self, count: usize, longest: Duration) -> bool {
-        let enough = |graph: &crate::Graph| graph.matches(self.gid) >= count;
+        let enough = |graph: &Graph| graph.matches(self.gid) >= count;
         self.inner.graph.wait(longest, enough)
     }
 

@@ -19,8 +19,9 @@ use crate::gid::Gid;
 use crate::graph::{Graph, SharedGraph};
 use crate::mapping::{CycloneHeader, ServiceMapping};
 use crate::names;
-use crate::node::{Inner, Node};
-use crate::publisher::Outbox;
+use crate::node::Node;
+use crate::outbox::Outbox;
+use crate::participant::Inner;
 use crate::reactor::{Chore, Incoming, Registration, Sink};
 
 /// Time for which both endpoints of a server must have matched.

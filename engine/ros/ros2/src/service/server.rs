@@ -15,8 +15,9 @@ use crate::gid::Gid;
 use crate::graph::SharedGraph;
 use crate::mapping::{CycloneHeader, ServiceMapping};
 use crate::names;
-use crate::node::{Inner, Node};
-use crate::publisher::Outbox;
+use crate::node::Node;
+use crate::outbox::Outbox;
+use crate::participant::Inner;
 use crate::queue::Queue;
 use crate::reactor::{Chore, Incoming, Registration, Sink};
 

@@ -1,0 +1,145 @@
+//! Writers of DDS, with a queue for what DDS does not take at once.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use rustdds::bytes::Bytes;
+use rustdds::dds::WriteError;
+use rustdds::no_key::DataWriter;
+use rustdds::{SampleIdentity, WriteOptions, WriteOptionsBuilder};
+
+use crate::error::SendError;
+use crate::gid::Gid;
+use crate::payload::{Payload, Raw};
+use crate::reactor::Chore;
+
+/// Numbers of messages of a publisher.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PublisherCounts {
+    /// Given to DDS.
+    pub sent: u64,
+    /// Dropped because the queue was full: a subscription acknowledges too slowly.
+    pub dropped: u64,
+    /// Refused by DDS.
+    pub refused: u64,
+    /// In the queue.
+    pub waiting: usize,
+}
+
+/// A writer of DDS, and the messages that it did not take yet.
+pub(crate) struct Outbox {
+    pub(crate) gid: Gid,
+    topic: String,
+    writer: DataWriter<Payload, Raw>,
+    capacity: usize,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    waiting: VecDeque<(Bytes, Option<SampleIdentity>)>,
+    counts: PublisherCounts,
+}
+
+impl Outbox {
+    pub(crate) fn new(
+        gid: Gid,
+        topic: &str,
+        writer: DataWriter<Payload, Raw>,
+        capacity: usize,
+    ) -> Self {
+        Self {
+            gid,
+            topic: topic.to_owned(),
+            writer,
+            capacity,
+            state: Mutex::default(),
+        }
+    }
+
+    /// The numbers of messages.
+    pub(crate) fn counts(&self) -> PublisherCounts {
+        let state = self.lock();
+        PublisherCounts {
+            waiting: state.waiting.len(),
+            ..state.counts
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sends a message, or queues it if others wait or DDS does not take it.
+    pub(crate) fn send(
+        &self,
+        bytes: Bytes,
+        related: Option<SampleIdentity>,
+    ) -> Result<(), SendError> {
+        let mut state = self.lock();
+        self.flush(&mut state);
+        if state.waiting.is_empty() && self.write(&mut state, bytes.clone(), related)?.is_some() {
+            return Ok(());
+        }
+        if state.waiting.len() >= self.capacity {
+            state.waiting.pop_front();
+            state.counts.dropped += 1;
+        }
+        state.waiting.push_back((bytes, related));
+        Ok(())
+    }
+
+    /// Sends a message at once, or not at all; returns its identity.
+    pub(crate) fn send_now(&self, bytes: Bytes) -> Result<Option<SampleIdentity>, SendError> {
+        self.write(&mut self.lock(), bytes, None)
+    }
+
+    fn write(
+        &self,
+        state: &mut State,
+        bytes: Bytes,
+        related: Option<SampleIdentity>,
+    ) -> Result<Option<SampleIdentity>, SendError> {
+        let options: WriteOptions = WriteOptionsBuilder::new()
+            .related_sample_identity_opt(related)
+            .build();
+        // the writer's longest blocking time is zero
+        match self.writer.write_with_options(Payload(bytes), options) {
+            Ok(identity) => {
+                state.counts.sent += 1;
+                Ok(Some(identity))
+            }
+            Err(WriteError::WouldBlock { .. }) => Ok(None),
+            Err(
+                error @ (WriteError::Serialization { .. }
+                | WriteError::Poisoned { .. }
+                | WriteError::Io(_)
+                | WriteError::Internal { .. }),
+            ) => {
+                state.counts.refused += 1;
+                Err(SendError::Dds {
+                    topic: self.topic.clone(),
+                    reason: error.to_string(),
+                })
+            }
+        }
+    }
+
+    fn flush(&self, state: &mut State) {
+        while let Some((bytes, related)) = state.waiting.front().cloned() {
+            // a refused message is counted, and does not come back
+            if matches!(self.write(state, bytes, related), Ok(None)) {
+                return;
+            }
+            state.waiting.pop_front();
+        }
+    }
+}
+
+impl Chore for Outbox {
+    fn run(&self) -> bool {
+        let mut state = self.lock();
+        self.flush(&mut state);
+        !state.waiting.is_empty()
+    }
+}
