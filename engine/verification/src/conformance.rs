@@ -5,9 +5,11 @@
 
 mod acceptor;
 mod choices;
+mod events;
 mod observed;
 mod observer;
 
-pub use acceptor::{ProtocolAcceptor, SentEvent};
+pub use acceptor::ProtocolAcceptor;
+pub use events::{EventSuccession, PossibleEvents, PrecedingEvent, SentEvent};
 pub use observed::{MessageEnd, ObservedCycle, ObservedMessage, ProtocolDeviation};
 pub use observer::{ComponentConformance, ProtocolObserver};

@@ -43,7 +43,7 @@ const PLACES: [(f64, f64); 8] = [
 ];
 
 /// A rover that drives to one place after the other among obstacles, with everything that an operator can do.
-fn drive(seed: u64) -> Scenario {
+pub fn drive(seed: u64) -> Scenario {
     let mut dice = Dice(seed);
     let mut script = Vec::new();
     let mut at = 1.0;

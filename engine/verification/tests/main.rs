@@ -10,5 +10,6 @@
 mod composites;
 mod conformance;
 mod disorder;
+mod mutants;
 mod scenarios;
 mod support;

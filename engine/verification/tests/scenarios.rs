@@ -37,7 +37,7 @@ impl Scenario {
         let context = Context {
             loader: files,
             environment: &NoVariables,
-            catalogue: &CATALOGUE,
+            catalogue: &*CATALOGUE,
             specifications: &specifications,
             programs: &NoPrograms,
             settings: &self.settings,
@@ -53,7 +53,7 @@ impl Scenario {
         let protocols = |name: &str| files.protocol(name);
         let observer = ProtocolObserver::new(plan, files, &protocols).expect("protocols");
         let mut workshop = Standard {
-            catalogue: &CATALOGUE,
+            catalogue: &*CATALOGUE,
             loader: files,
             seed: self.seed,
             builtins: &mut |_, _| None,
@@ -107,6 +107,7 @@ fn merge(all: &mut Conformance, name: String, found: ComponentConformance) {
     let known = all.entry(name).or_default();
     known.cycles += found.cycles;
     known.sent.extend(found.sent);
+    known.followed.extend(found.followed);
     known.possible = known.possible.take().or(found.possible);
     known.deviation = known.deviation.take().or(found.deviation);
 }

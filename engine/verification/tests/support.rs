@@ -6,7 +6,7 @@ use asmotion_lang::hir::ReadOptions;
 use asmotion_plan::{Opened, Plan};
 use asmotion_verification::{ComponentModel, ModelContext, ModelError, component_model};
 use asmotion_verify::{Options, Verification, verify};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Files of the repository, some of them with other texts.
 #[derive(Clone, Default)]
@@ -84,18 +84,23 @@ impl VariableSource for NoVariables {
     }
 }
 
-pub const CATALOGUE: Tables = Tables {
-    components: asmotion_components::COMPONENTS,
+/// The catalogue, with the components of tests.
+pub static CATALOGUE: LazyLock<Tables> = LazyLock::new(|| Tables {
+    components: Box::leak(
+        [asmotion_components::COMPONENTS, crate::mutants::COMPONENTS]
+            .concat()
+            .into_boxed_slice(),
+    ),
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
     builtins: &[asmotion_composite::model::BuiltinComponent::PortProxy],
-};
+});
 
 pub fn open(files: &Files, path: &str) -> Opened {
     let context = Context {
         loader: files,
         environment: &NoVariables,
-        catalogue: &CATALOGUE,
+        catalogue: &*CATALOGUE,
         specifications: &AsmFiles::new(files),
         programs: &NoPrograms,
         settings: &[],

@@ -1,6 +1,9 @@
 //! A protocol as an acceptor: follows all runs of the protocol that fit what was observed.
 
 use super::choices::ChoiceSequence;
+use super::events::{
+    EventSuccession, PossibleEvents, PrecedingEvent, SentEvent, after_step, successions,
+};
 use super::observed::{MessageEnd, ObservedCycle, ObservedMessage, ProtocolDeviation};
 use crate::actor::{ActorInput, ActorOutput, Echo, InputOrigin, OutputEffect, read};
 use crate::error::ModelError;
@@ -27,6 +30,10 @@ pub struct ProtocolAcceptor {
     echoes: Vec<Echo>,
     initial: Vec<u8>,
     states: BTreeSet<Vec<u8>>,
+    /// The last messages: those of the last step that received or sent any.
+    last: BTreeSet<PrecedingEvent>,
+    /// Which events were observed to follow which.
+    followed: BTreeSet<EventSuccession>,
     /// Newest content received at each end.
     newest: BTreeMap<MessageEnd, Datum>,
     cycle: u64,
@@ -45,15 +52,6 @@ struct FollowedOutput {
     output: ActorOutput,
     end: MessageEnd,
     field: Option<String>,
-}
-
-/// An event of a protocol: an out function and the value that it sends.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct SentEvent {
-    /// Name of the out function.
-    pub function: String,
-    /// The value; empty if the message has none.
-    pub value: String,
 }
 
 /// A value that a message has for an out function.
@@ -143,6 +141,8 @@ impl ProtocolAcceptor {
             outputs,
             echoes: found.echoes,
             specification,
+            last: BTreeSet::new(),
+            followed: BTreeSet::new(),
             newest: BTreeMap::new(),
             cycle: 0,
         })
@@ -152,6 +152,12 @@ impl ProtocolAcceptor {
     pub fn restart(&mut self) {
         self.states = BTreeSet::from([self.initial.clone()]);
         self.newest.clear();
+        self.last.clear();
+    }
+
+    /// Returns which events were observed to follow which, so far.
+    pub fn followed(&self) -> &BTreeSet<EventSuccession> {
+        &self.followed
     }
 
     /// Number of states in which the protocol can be.
@@ -160,14 +166,17 @@ impl ProtocolAcceptor {
     }
 
     /// Returns the events that the protocol can send, whatever it receives; `None` if it has too many states to find out.
-    pub fn possible_events(&mut self) -> Option<BTreeSet<SentEvent>> {
+    pub fn possible_events(&mut self) -> Option<PossibleEvents> {
         let inputs = self.all_inputs();
-        let mut events = BTreeSet::new();
-        let mut known = BTreeSet::from([self.initial.clone()]);
-        let mut next = vec![self.initial.clone()];
+        let mut possible = PossibleEvents::default();
+        // states with the events before them
+        let start = (self.initial.clone(), BTreeSet::new());
+        let mut known = BTreeSet::from([start.clone()]);
+        let mut next = vec![start];
         let mut steps: usize = 0;
-        while let Some(state) = next.pop() {
+        while let Some((state, last)) = next.pop() {
             for inputs in &inputs {
+                let last = self.with_arrivals(&last, inputs);
                 let mut choices = ChoiceSequence::default();
                 loop {
                     steps += 1;
@@ -177,12 +186,16 @@ impl ProtocolAcceptor {
                     self.enter(&state);
                     let stepped = self.machine.step(&mut StepInputs(inputs), &mut choices, 0);
                     if stepped.is_ok() {
-                        events.extend(self.events_of(self.sent()));
+                        let sent: BTreeSet<SentEvent> =
+                            self.events_of(self.sent()).into_iter().collect();
+                        possible.successions.extend(successions(&last, &sent));
+                        possible.events.extend(sent.iter().cloned());
                         self.forget_sent();
                         let mut packed = Vec::new();
                         self.machine.pack_state(&mut packed);
-                        if known.insert(packed.clone()) {
-                            next.push(packed);
+                        let last = after_step(&last, sent);
+                        if known.insert((packed.clone(), last.clone())) {
+                            next.push((packed, last));
                         }
                     }
                     if !choices.advance() {
@@ -191,7 +204,7 @@ impl ProtocolAcceptor {
                 }
             }
         }
-        Some(events)
+        Some(possible)
     }
 
     /// All combinations of values of the inputs, undef included for those that need not have a value.
@@ -219,6 +232,25 @@ impl ProtocolAcceptor {
             all = combined.collect();
         }
         all
+    }
+
+    /// The last messages before the events of a step with these inputs.
+    fn with_arrivals(
+        &self,
+        last: &BTreeSet<PrecedingEvent>,
+        inputs: &BTreeMap<FunctionId, Value>,
+    ) -> BTreeSet<PrecedingEvent> {
+        let arrived = self.inputs.iter().filter(|it| {
+            it.input.receive == Receive::Edge
+                && inputs.get(&it.function) == Some(&Value::Bool(true))
+        });
+        let arrived = arrived.map(|it| PrecedingEvent::Received(it.input.location.clone()));
+        let arrived: BTreeSet<PrecedingEvent> = arrived.collect();
+        if arrived.is_empty() {
+            last.clone()
+        } else {
+            arrived
+        }
     }
 
     fn events_of(&self, sent: BTreeMap<FunctionId, Value>) -> Vec<SentEvent> {
@@ -260,6 +292,15 @@ impl ProtocolAcceptor {
             states = self.successors(&states, inputs, &due)?;
         }
         self.states = states;
+        self.last = self.with_arrivals(&self.last, &inputs);
+        for step in 0..steps {
+            let due = expected.iter().filter_map(|(function, values)| {
+                Some((*function, vec![values.get(step)?.clone()]))
+            });
+            let sent = self.sent_events(&due.collect());
+            self.followed.extend(successions(&self.last, &sent));
+            self.last = after_step(&self.last, sent);
+        }
         Ok(self.sent_events(&expected))
     }
 

@@ -1,6 +1,7 @@
 //! Observes a run of a composite and follows each component that has a protocol.
 
-use super::acceptor::{ProtocolAcceptor, SentEvent};
+use super::acceptor::ProtocolAcceptor;
+use super::events::{EventSuccession, PossibleEvents, PrecedingEvent, SentEvent};
 use super::observed::{MessageEnd, ObservedCycle, ObservedMessage, ProtocolDeviation};
 use crate::error::ModelError;
 use crate::network::{providers, writers};
@@ -45,7 +46,9 @@ pub struct ComponentConformance {
     /// Events that were sent.
     pub sent: BTreeSet<SentEvent>,
     /// Events that the protocol can send; `None` if it has too many states to find out.
-    pub possible: Option<BTreeSet<SentEvent>>,
+    pub possible: Option<PossibleEvents>,
+    /// Which events followed which.
+    pub followed: BTreeSet<EventSuccession>,
     /// The first cycle that the protocol does not allow, and its time; nothing after it was examined.
     pub deviation: Option<(Time, ProtocolDeviation)>,
 }
@@ -61,8 +64,39 @@ impl ComponentConformance {
                     ..(*event).clone()
                 })
         };
-        let possible = self.possible.iter().flatten();
+        let possible = self.possible.iter().flat_map(|it| &it.events);
         possible.filter(|it| !is_sent(it)).cloned().collect()
+    }
+
+    /// Returns the messages that can follow each other according to the protocol, and that never did, although the events were sent. A
+    /// protocol that allows more than its component does has such successions: either the runs do not provoke them, or the protocol
+    /// can be stricter. A message without a value counts for each value of its function.
+    pub fn never_followed(&self) -> BTreeSet<EventSuccession> {
+        let never_sent = self.never_sent();
+        let is_like = |seen: &SentEvent, event: &SentEvent| {
+            seen.function == event.function && (seen.value.is_empty() || seen.value == event.value)
+        };
+        let has_followed = |succession: &EventSuccession| {
+            self.followed.iter().any(|seen| {
+                is_like(&seen.after, &succession.after)
+                    && match (&seen.before, &succession.before) {
+                        (Some(PrecedingEvent::Sent(seen)), Some(PrecedingEvent::Sent(event))) => {
+                            is_like(seen, event)
+                        }
+                        (seen, event) => seen == event,
+                    }
+            })
+        };
+        let possible = self.possible.iter().flat_map(|it| &it.successions);
+        let of_sent = possible.filter(|it| {
+            let is_known = |event: &SentEvent| !never_sent.contains(event);
+            let is_before_known = match &it.before {
+                Some(PrecedingEvent::Sent(event)) => is_known(event),
+                Some(PrecedingEvent::Received(_)) | None => true,
+            };
+            is_before_known && is_known(&it.after)
+        });
+        of_sent.filter(|it| !has_followed(it)).cloned().collect()
     }
 }
 
@@ -114,6 +148,7 @@ impl ProtocolObserver {
         let mut observation = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for component in observation.components.values_mut() {
             component.end_cycle(Time::ZERO);
+            component.found.followed = component.acceptor.followed().clone();
         }
         let components = observation.components.iter();
         components
