@@ -39,6 +39,7 @@ mod reconfigure;
 mod repl;
 mod robots;
 mod ros;
+mod ros1;
 mod routes;
 mod scenario;
 mod shell;

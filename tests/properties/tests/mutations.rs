@@ -13,8 +13,10 @@ use asmotion_messages::{
 use asmotion_mqueue::QueueLayout;
 use asmotion_robustness::{
     cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_definition,
-    ros_message, scdl,
+    ros_header, ros_message, scdl, xml_rpc,
 };
+use asmotion_ros1::header::ConnectionHeader;
+use asmotion_ros1::xmlrpc::{XmlRpcValue, write_call, write_response};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path;
@@ -255,6 +257,42 @@ fn definitions_of_ros_are_read() {
     ];
     let seeds = seeds.map(|text| text.as_bytes().to_vec());
     holds(ros_definition, &seeds, true, 4_000);
+}
+
+#[test]
+fn headers_of_ros_1_are_read() {
+    let header = ConnectionHeader::new()
+        .with("callerid", "/talker")
+        .with("md5sum", "*")
+        .with("message_definition", "string data\n");
+    let seed = header.encode()[4..].to_vec();
+    holds(ros_header, &[seed], false, 20_000);
+}
+
+#[test]
+fn xml_rpc_is_read() {
+    let value = |text| XmlRpcValue::text(text);
+    let call = write_call(
+        "publisherUpdate",
+        &[
+            value("/master"),
+            XmlRpcValue::Array(vec![value("http://a:1/ <&>\r")]),
+        ],
+    );
+    let member = ("x".to_owned(), XmlRpcValue::Double(0.5));
+    let response = XmlRpcValue::Array(vec![
+        XmlRpcValue::Int(1),
+        XmlRpcValue::Bool(true),
+        XmlRpcValue::Bytes(vec![1, 2, 3, 4]),
+        XmlRpcValue::Time("20261124T18:00:00".to_owned()),
+        XmlRpcValue::Struct(vec![member]),
+    ]);
+    let seeds = [
+        call,
+        write_response(Ok(&response)),
+        write_response(Err("no")),
+    ];
+    holds(xml_rpc, &seeds.map(String::into_bytes), true, 10_000);
 }
 
 #[test]

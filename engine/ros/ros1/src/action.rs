@@ -3,8 +3,11 @@
 
 mod client;
 mod message;
+mod server;
 mod state;
+mod status;
 
 pub use client::{ActionClient, ActionClientCounts, ActionError};
 pub use message::{ActionType, ActionTypeError, GoalId};
+pub use server::{ActionRequest, ActionServer, ServedGoalError};
 pub use state::{ActionEvent, GoalOutcome, GoalPhase};

@@ -42,8 +42,8 @@ mod time;
 pub mod xmlrpc;
 
 pub use action::{
-    ActionClient, ActionClientCounts, ActionError, ActionEvent, ActionType, ActionTypeError,
-    GoalId, GoalOutcome, GoalPhase,
+    ActionClient, ActionClientCounts, ActionError, ActionEvent, ActionRequest, ActionServer,
+    ActionType, ActionTypeError, GoalId, GoalOutcome, GoalPhase, ServedGoalError,
 };
 pub use caller::{FAILED, MISMATCH, RosServiceClient, UNREADABLE};
 pub use clock::{RosClock, clock_message};

@@ -72,6 +72,11 @@ impl Process {
         self.lines.recv_timeout(SOON).expect("a line of the peer")
     }
 
+    /// The next line of its output, if there is one.
+    pub fn try_line(&self) -> Option<String> {
+        self.lines.try_recv().ok()
+    }
+
     /// Writes a line to its input.
     pub fn tell(&mut self, line: &str) {
         writeln!(self.input, "{line}").unwrap();

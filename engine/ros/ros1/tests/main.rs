@@ -7,6 +7,7 @@
     reason = "helpers of tests"
 )]
 
+mod action_server;
 mod actions;
 mod bad_peers;
 mod clock;

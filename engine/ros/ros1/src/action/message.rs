@@ -81,15 +81,45 @@ pub(super) fn goal_id(id: &GoalId, stamp: i64) -> Datum {
     Datum::record([("stamp", time(stamp)), ("id", Datum::text(&*id.0))])
 }
 
-/// `NAMEActionGoal`.
-pub(super) fn action_goal(id: &GoalId, goal: &Datum, stamp: i64) -> Datum {
-    let header = Datum::record([
+/// `std_msgs/Header` without a frame.
+fn header(stamp: i64) -> Datum {
+    Datum::record([
         ("seq", Datum::Int(0)),
         ("stamp", time(stamp)),
         ("frame_id", Datum::text("")),
-    ]);
+    ])
+}
+
+/// `actionlib_msgs/GoalStatus`.
+pub(super) fn goal_status(id: &GoalId, stamp: i64, status: i64, text: &str) -> Datum {
     Datum::record([
-        ("header", header),
+        ("goal_id", goal_id(id, stamp)),
+        ("status", Datum::Int(status)),
+        ("text", Datum::text(text)),
+    ])
+}
+
+/// `actionlib_msgs/GoalStatusArray`.
+pub(super) fn status_array(statuses: Vec<Datum>, now: i64) -> Datum {
+    Datum::record([
+        ("header", header(now)),
+        ("status_list", Datum::List(statuses)),
+    ])
+}
+
+/// `NAMEActionFeedback` or `NAMEActionResult`: a status and one more field.
+pub(super) fn told(status: Datum, field: &'static str, content: Datum, now: i64) -> Datum {
+    Datum::record([
+        ("header", header(now)),
+        ("status", status),
+        (field, content),
+    ])
+}
+
+/// `NAMEActionGoal`.
+pub(super) fn action_goal(id: &GoalId, goal: &Datum, stamp: i64) -> Datum {
+    Datum::record([
+        ("header", header(stamp)),
         ("goal_id", goal_id(id, stamp)),
         ("goal", goal.clone()),
     ])

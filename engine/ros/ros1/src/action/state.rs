@@ -3,6 +3,9 @@
 use asmotion_datum::Datum;
 
 use super::message::GoalId;
+use super::status::{
+    ABORTED, ACTIVE, LOST, PENDING, PREEMPTED, PREEMPTING, RECALLED, RECALLING, REJECTED, SUCCEEDED,
+};
 
 /// Phase of a goal at its client. The names are those of actionlib.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,18 +72,6 @@ pub enum ActionEvent {
         result: Option<Datum>,
     },
 }
-
-// `actionlib_msgs/GoalStatus`
-const PENDING: i64 = 0;
-const ACTIVE: i64 = 1;
-const PREEMPTED: i64 = 2;
-const SUCCEEDED: i64 = 3;
-const ABORTED: i64 = 4;
-const REJECTED: i64 = 5;
-const PREEMPTING: i64 = 6;
-const RECALLING: i64 = 7;
-const RECALLED: i64 = 8;
-const LOST: i64 = 9;
 
 impl GoalOutcome {
     /// The outcome that a status means; `None` for a goal that has not ended.

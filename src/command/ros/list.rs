@@ -1,0 +1,93 @@
+//! `asmotion ros list`: what a master of ROS 1 knows.
+
+use asmotion_ros1::RosGraph;
+use clap::Args;
+use serde_json::json;
+
+use super::MasterArguments;
+use crate::exit::Exit;
+use crate::table;
+use crate::terminal::TerminalOutput;
+
+#[derive(Args)]
+pub struct RosList {
+    #[command(flatten)]
+    master: MasterArguments,
+
+    /// Prints a JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+impl RosList {
+    /// Prints nodes, topics and services. A master that does not answer is a usage error.
+    pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        let graph = match self.master.node() {
+            Ok(node) => node.graph(),
+            Err(error) => {
+                terminal.error(error);
+                return Exit::Usage;
+            }
+        };
+        let graph = match graph {
+            Ok(graph) => graph,
+            Err(error) => {
+                terminal.error(error);
+                return Exit::Usage;
+            }
+        };
+        if self.json {
+            terminal.result(as_json(&graph));
+        } else {
+            for line in as_tables(&graph) {
+                terminal.result(line);
+            }
+        }
+        Exit::Ok
+    }
+}
+
+fn as_json(graph: &RosGraph) -> serde_json::Value {
+    let topics = graph.topics.iter().map(|(name, topic)| {
+        json!({
+            "topic": name, "type": topic.type_name,
+            "publishers": topic.publishers, "subscribers": topic.subscribers,
+        })
+    });
+    let services = graph.services.iter();
+    let services = services.map(|(name, nodes)| json!({ "service": name, "providers": nodes }));
+    json!({
+        "nodes": graph.nodes(),
+        "topics": topics.collect::<Vec<_>>(),
+        "services": services.collect::<Vec<_>>(),
+    })
+}
+
+/// A table of topics and one of services, which contain every node.
+fn as_tables(graph: &RosGraph) -> Vec<String> {
+    let names = |names: &[String]| {
+        if names.is_empty() {
+            "-".to_owned()
+        } else {
+            names.join(" ")
+        }
+    };
+    let topics = graph.topics.iter().map(|(name, topic)| {
+        let type_name = match &*topic.type_name {
+            "" => "-",
+            name => name,
+        };
+        vec![
+            name.clone(),
+            type_name.to_owned(),
+            names(&topic.publishers),
+            names(&topic.subscribers),
+        ]
+    });
+    let services = graph.services.iter();
+    let services = services.map(|(name, nodes)| vec![name.clone(), names(nodes)]);
+    let mut lines = table::lines(&["topic", "type", "from", "to"], topics);
+    lines.push(String::new());
+    lines.extend(table::lines(&["service", "node"], services));
+    lines
+}
