@@ -168,3 +168,27 @@ fn scripted_replies_are_lost_and_late_like_others() {
     assert_eq!(within(12, late, false, false, twice), "violated");
     assert_eq!(within(12, late, true, true, twice), "holds");
 }
+
+#[test]
+fn the_late_dispatcher_of_the_courier_is_played() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../specs/courier");
+    let read = |name: &str| std::fs::read_to_string(format!("{folder}/{name}")).unwrap();
+    let mut files = asmotion_lang::MemoryFiles::new();
+    for name in ["courier.asm", "Dispatch.asm"] {
+        files.add(name, read(name));
+    }
+    let courier = asmotion_lang::open("courier.asm", &files).unwrap_or_else(|it| panic!("{it}"));
+    let text = read("courier.late.env.toml");
+    let script = Script::read(FileId::default(), &text, &courier.program).unwrap();
+    let system =
+        SystemSpecification::of(courier).with_environment(EnvironmentModel::Script(script));
+    let options = Options {
+        properties: vec!["jobs <= 1".to_owned(), "jobs < 1".to_owned()],
+        ..Options::default()
+    };
+    let verification = verified_system(system, &options);
+    assert_eq!(verification.incomplete, None);
+    assert_eq!(verification.states, 10);
+    assert_eq!(verdict_of(&verification, "jobs <= 1"), "holds");
+    assert_eq!(verdict_of(&verification, "jobs < 1"), "violated");
+}
