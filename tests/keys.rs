@@ -283,3 +283,29 @@ fn the_tests_that_observe_keys_exist() {
         );
     }
 }
+
+#[test]
+fn what_the_readme_calls_missing_is_reported_and_nothing_else() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, missing) = readme.split_once("Not implemented yet").unwrap();
+    let (missing, _) = missing.split_once("\n\n").unwrap();
+    let claimed = missing.split('`').skip(1).step_by(2);
+    let claimed: BTreeSet<&str> = claimed.filter(|name| !name.contains(' ')).collect();
+    // the tables all of whose keys are reported by C076
+    let mut found = BTreeSet::new();
+    for (key, edit) in keys().edits {
+        let table = ["bridges", "deploy.record"];
+        let Some(table) = table.iter().find(|it| key.starts_with(**it)) else {
+            continue;
+        };
+        let folders = edit.folders();
+        let path = format!("specs/{}.composite.toml", edit.of);
+        let findings = findings(folders[1].path(), &path);
+        assert!(
+            findings.iter().any(|(code, _)| code == "C076"),
+            "{key}: {findings:?}"
+        );
+        found.insert(*table);
+    }
+    assert_eq!(claimed, found);
+}
