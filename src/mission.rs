@@ -294,12 +294,20 @@ impl Mission {
         director.finish(run.now());
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
-        let summary = lock(&story).summary().clone();
+        let mut summary = lock(&story).summary().clone();
+        for (component, state) in stall::control_states(&successor.running().plan, &mut *run) {
+            summary.add_final_control_state(&component, &state);
+        }
         let stalled = match outcome {
             MissionOutcome::TimeUp => stall::stalled(&successor.running().plan, &mut *run),
+            // without a goal, a coordinator may wait at the end; one that has never done anything is worth a word
+            MissionOutcome::Completed => {
+                let mut stalled = stall::stalled(&successor.running().plan, &mut *run);
+                stalled.retain(StalledCoordinator::is_stalled_since_start);
+                stalled
+            }
             MissionOutcome::Reached
             | MissionOutcome::Failed
-            | MissionOutcome::Completed
             | MissionOutcome::Fault
             | MissionOutcome::Stopped => Vec::new(),
         };

@@ -38,13 +38,37 @@ impl fmt::Display for StalledCoordinator {
     }
 }
 
+impl StalledCoordinator {
+    /// Returns whether it has never made an update.
+    pub(super) fn is_stalled_since_start(&self) -> bool {
+        self.since_s.is_none()
+    }
+}
+
+/// The coordinators of a run with their control states. A coordinator in a long cycle is left out.
+pub(super) fn control_states(plan: &Plan, run: &mut dyn Run) -> Vec<(String, String)> {
+    let state = |component: &Component| {
+        let status = status(component, run)?;
+        let (_, state) = status.control_state()?;
+        Some((component.name.clone(), state.to_owned()))
+    };
+    plan.components.iter().filter_map(state).collect()
+}
+
+fn status(component: &Component, run: &mut dyn Run) -> Option<CoordinatorStatus> {
+    matches!(component.implementation, Implementation::Asm { .. })
+        .then(|| run.inspect(&component.name).ok())
+        .flatten()
+        .and_then(|entries| CoordinatorStatus::of(&entries))
+}
+
 /// Describes the coordinators of a run whose time is up. A coordinator in a long cycle is left out.
 pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator> {
     let describe = |component: &Component| {
         let Implementation::Asm { file, .. } = &component.implementation else {
             return None;
         };
-        let status = CoordinatorStatus::of(&run.inspect(&component.name).ok()?)?;
+        let status = status(component, run)?;
         Some(StalledCoordinator {
             component: component.name.clone(),
             state: status.control_state().map(equation),

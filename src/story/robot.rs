@@ -90,6 +90,13 @@ impl Robots {
         }
     }
 
+    /// Sets the control state of a coordinator whose robot has none yet.
+    pub(super) fn add_control_state(&mut self, component: &str, state: &str) {
+        let robot = composite_of(component).to_owned();
+        let states = &mut self.control_states;
+        states.entry(robot).or_insert_with(|| state.to_owned());
+    }
+
     /// Sets the control state of a coordinator.
     pub(super) fn set_control_state(&mut self, component: &str, state: &str) {
         let robot = composite_of(component).to_owned();

@@ -77,6 +77,12 @@ impl Summary {
         }
     }
 
+    /// Adds the control state of a coordinator at the end; that of a step of its robot takes precedence.
+    pub(crate) fn add_final_control_state(&mut self, component: &str, state: &str) {
+        self.robots.add_control_state(component, state);
+        self.control_state.get_or_insert_with(|| state.to_owned());
+    }
+
     /// Handles a message of a component, which may contain a position. Returns a report of progress, if due.
     pub(super) fn moved(
         &mut self,

@@ -255,6 +255,30 @@ fn a_run_whose_time_is_up_says_what_it_waits_for() {
     }
 }
 
+/// Without a goal, a run is completed when its time is up, also if its coordinator has done nothing at all.
+#[test]
+fn a_completed_run_in_which_nothing_happened_says_the_control_state_and_what_it_waits_for() {
+    let folder = folder(&[("stuck.asm", STUCK), ("c.composite.toml", STUCK_COMPOSITE)]);
+    let composite = folder.path().join("c.composite.toml").display().to_string();
+    for clock in ["virtual", "wall"] {
+        let command = ["run", &composite, "--for", "1", "--clock", clock, "-q"];
+        let (code, out, err) = run(&command);
+        assert_eq!(code, 0, "{out}{err}");
+        assert!(out.starts_with("completed in IDLE after 1.0 s"), "{out}");
+        assert!(
+            out.contains(
+                "Coordinator in mode = IDLE since the start: no message has arrived for `go`"
+            ),
+            "{out}"
+        );
+        let (_, json, _) = run(&[&command[..], &["--json"]].concat());
+        let summary: serde_json::Value =
+            serde_json::from_str(json.lines().last().unwrap()).unwrap();
+        assert_eq!(summary["control_state"], "IDLE");
+        assert_eq!(summary["stalled"][0]["component"], "Coordinator");
+    }
+}
+
 #[test]
 fn a_control_state_without_exit_is_named() {
     let text = STUCK

@@ -149,14 +149,14 @@ pub(super) fn headline(end: &MissionEnd) -> String {
 /// The control state, time and collisions at the end.
 fn circumstances(end: &MissionEnd) -> String {
     let state = end.summary.control_state.as_deref();
-    let state = state.unwrap_or("no control state");
+    let state = state.map_or_else(String::new, |state| format!(" in {state}"));
     let seconds = end.time.as_secs_f64();
     let collisions = match end.summary.collisions {
         0 => String::new(),
         1 => ", with a collision".to_owned(),
         count => format!(", with {count} collisions"),
     };
-    format!(" in {state} after {seconds:.1} s{collisions}")
+    format!("{state} after {seconds:.1} s{collisions}")
 }
 
 /// The driven distance, and the distances to the goal.
@@ -195,11 +195,8 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
                 control_state,
             } in summary.robots.all()
             {
-                let state = control_state.unwrap_or("no control state");
-                terminal.result(format_args!(
-                    "  {name:<9}  {state}, driven {}",
-                    driven(path)
-                ));
+                let state = control_state.map_or_else(String::new, |state| format!("{state}, "));
+                terminal.result(format_args!("  {name:<9}  {state}driven {}", driven(path)));
             }
         }
     }
