@@ -17,7 +17,7 @@ pub use robot::{RobotSummary, Robots};
 pub use summary::{EventCounts, Summary};
 
 use asmotion_component::{CallError, LOG_REPORT, Losses, NOTICE_REPORT, Time};
-use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
+use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
 use asmotion_plan::Plan;
@@ -211,6 +211,11 @@ impl Story {
             UNSENT_REPORT => {
                 let missing = what.as_text().unwrap_or_default();
                 let what = format!("{component} has no value for `{missing}` yet");
+                Some(warning_entry(NOTE, "unsent", what))
+            }
+            UNFIT_REPORT => {
+                let what = what.as_text().unwrap_or_default();
+                let what = format!("{component} sends nothing on {what}");
                 Some(warning_entry(NOTE, "unsent", what))
             }
             WAITING_REPORT => {

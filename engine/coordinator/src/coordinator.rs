@@ -3,7 +3,7 @@
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces};
 use crate::content::AfterStep;
-use crate::effects::{EffectHandles, EffectOutbox, OutputResolver};
+use crate::effects::{EffectHandles, EffectOutbox, OutputResolver, WrittenPort};
 use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
@@ -311,6 +311,11 @@ fn declare(
     for (name, message) in &interfaces.outputs {
         let port = interface.output_of(name, message.clone(), "bound to the specification");
         handles.outputs.push((name.clone(), port));
+        handles.written.push(WrittenPort {
+            port,
+            name: name.clone(),
+            schema: message.clone(),
+        });
     }
     for call in binding.calls() {
         let operation = &call.operation;

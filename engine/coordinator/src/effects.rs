@@ -15,7 +15,7 @@ use crate::terms::BindingTerms;
 use asmotion_component::{
     CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
 };
-use asmotion_datum::{Datum, FieldName};
+use asmotion_datum::{Datum, FieldName, Schema};
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{FunctionId, Slot, ValueShape};
 use asmotion_lang::value::Value;
@@ -26,7 +26,15 @@ use std::collections::BTreeMap;
 pub(crate) struct EffectHandles {
     pub inputs: Vec<(String, In<Datum>)>,
     pub outputs: Vec<(String, Out<Datum>)>,
+    pub written: Vec<WrittenPort>,
     pub operations: Vec<(BoundOperation, Required<Dynamic>)>,
+}
+
+/// An output port and the type of its messages.
+pub(crate) struct WrittenPort {
+    pub port: Out<Datum>,
+    pub name: String,
+    pub schema: Schema,
 }
 
 /// The bound out functions of a specification, and their calls under way.
@@ -38,6 +46,7 @@ pub(crate) struct EffectOutbox {
     pub published: BTreeMap<String, Datum>,
     /// The output ports that the binding refers to.
     recorded: Vec<(String, Out<Datum>)>,
+    written: Vec<WrittenPort>,
     pub pending: Vec<PendingOutcome>,
     ports: Vec<(String, In<Datum>)>,
     operations: Vec<Required<Dynamic>>,
@@ -260,6 +269,7 @@ impl EffectOutbox {
             kept: BTreeMap::new(),
             published: BTreeMap::new(),
             recorded: recorded.collect(),
+            written: handles.written,
             pending: Vec::new(),
             operations: operations.map(|(_, operation)| *operation).collect(),
             ports: handles.inputs,
@@ -367,8 +377,11 @@ impl EffectOutbox {
                     if let (true, Some(slot)) = (is_due, slot) {
                         let value =
                             datum_of(after.machine.state().get(slot), &after.machine.naming());
+                        // undef is null in a field of any type: a reader takes it as no value
+                        let written = if value.is_null() { &[] } else { &*self.written };
                         let message = message_of(value, field.as_deref(), key);
-                        publish(*port, message, (&self.recorded, &mut self.published), cycle);
+                        let record = (&*self.recorded, &mut self.published);
+                        publish(*port, message, written, record, cycle);
                     }
                 }
                 BoundEffect::Literals(cases) => {
@@ -389,7 +402,7 @@ impl EffectOutbox {
                                 match evaluate(value, &self.context(requests), after, cycle) {
                                     Ok(message) => {
                                         let record = (&*self.recorded, &mut self.published);
-                                        publish(*port, message, record, cycle);
+                                        publish(*port, message, &self.written, record, cycle);
                                     }
                                     Err(missing) => report_unsent(&missing, cycle),
                                 }
@@ -563,13 +576,23 @@ fn literal(
 /// The output ports that the binding refers to, and the newest messages published on them.
 type PublicationRecord<'r> = (&'r [(String, Out<Datum>)], &'r mut BTreeMap<String, Datum>);
 
-/// Publishes a message, and records it if the binding refers to the port.
+/// Publishes a message, and records it if the binding refers to the port. A message that does not fit the type of the port is
+/// reported instead, because a reader of that type could not read it, or would read something else.
 fn publish(
     port: Out<Datum>,
     message: Datum,
+    written: &[WrittenPort],
     (recorded, published): PublicationRecord<'_>,
     cycle: &mut Cycle<'_>,
 ) {
+    let written = written.iter().find(|it| it.port == port);
+    if let Some(written) = written
+        && let Err(mismatch) = written.schema.accepts(&message)
+    {
+        let what = format!("`{}`: {mismatch}", written.name);
+        cycle.report(UNFIT_REPORT, Datum::text(what));
+        return;
+    }
     if let Some((name, _)) = recorded.iter().find(|(_, known)| *known == port) {
         published.insert(name.clone(), message.clone());
     }
@@ -578,6 +601,10 @@ fn publish(
 
 /// Kind of the report that an action was skipped, with the name of the missing message.
 pub const UNSENT_REPORT: &str = "asm/Unsent";
+
+/// Kind of the report that a message was not sent because it does not fit the type of its port, with the port and the
+/// mismatch.
+pub const UNFIT_REPORT: &str = "asm/Unfit";
 
 fn report_unsent(missing: &str, cycle: &mut Cycle<'_>) {
     cycle.report(UNSENT_REPORT, Datum::text(missing));

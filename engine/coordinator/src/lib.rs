@@ -30,7 +30,7 @@ pub use binding::{
     Out, PublishWhen, Published, Receive, Source,
 };
 pub use coordinator::{Coordinator, LOSSES_REPORT};
-pub use effects::UNSENT_REPORT;
+pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
 pub use location::{LocationArgument, LocationName};
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex};
 use asmotion_component::{Activity, Span};
 use asmotion_coordinator::{
     Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Published, STEP_REPORT,
-    Source, StepRecord,
+    Source, StepRecord, UNFIT_REPORT,
 };
-use asmotion_datum::{Datum, Numbers, Schema};
+use asmotion_datum::{Datum, Numbers, Schema, Shape};
 use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Event, Run, System};
 
@@ -135,6 +135,13 @@ fn elements_of_subsets_and_characters_reach_a_specification() {
 
 /// The message published for a value.
 fn published(codomain: &str, value: &str) -> Datum {
+    let (message, report) = published_as(codomain, value, Schema::opaque("test/Any"));
+    assert_eq!(report, None);
+    message
+}
+
+/// The message published for a value on a port of this type, or the report that there is none.
+fn published_as(codomain: &str, value: &str, schema: Schema) -> (Datum, Option<String>) {
     let text = format!(
         "
 asm writer
@@ -160,20 +167,53 @@ definitions:
         out: vec![out],
     };
     let interfaces = Interfaces {
-        outputs: vec![("output".to_owned(), Schema::opaque("test/Any"))],
+        outputs: vec![("output".to_owned(), schema)],
         ..Interfaces::default()
     };
     let mut system = system(&text, &binding, &interfaces);
-    let found = Arc::new(Mutex::new(Datum::Null));
+    let found = Arc::new(Mutex::new((Datum::Null, None)));
     let note = found.clone();
     system.observe(move |_, event: &Event<'_>| {
+        let mut note = note.lock().unwrap();
         if let Event::Published { sample, .. } = event {
-            *note.lock().unwrap() = sample.to_datum().unwrap();
+            note.0 = sample.to_datum().unwrap();
+        }
+        if let Event::Report { kind, data, .. } = event
+            && *kind == UNFIT_REPORT
+        {
+            note.1 = data.as_text().map(str::to_owned);
         }
     });
     system.simulate().run_for(5.ms());
     let found = found.lock().unwrap();
     found.clone()
+}
+
+#[test]
+fn a_value_that_does_not_fit_the_type_of_its_port_is_reported_and_not_published() {
+    let byte = || Schema::plain(Shape::U8);
+    assert_eq!(
+        published_as("Integer", "255", byte()),
+        (Datum::Int(255), None)
+    );
+    for value in ["256", "-1"] {
+        let (message, report) = published_as("Integer", value, byte());
+        assert_eq!(message, Datum::Null, "{value}");
+        assert_eq!(
+            report,
+            Some(format!("`output`: {value} is not between 0 and 255")),
+        );
+    }
+    let bytes = || Schema::many(byte(), Some(2));
+    assert_eq!(
+        published_as("Seq(Integer)", "[1, 2]", bytes()).0,
+        list([1, 2])
+    );
+    for value in ["[1, 256]", "[1, 2, 3]"] {
+        let (message, report) = published_as("Seq(Integer)", value, bytes());
+        assert_eq!(message, Datum::Null, "{value}");
+        assert!(report.is_some(), "{value}");
+    }
 }
 
 #[test]
