@@ -200,3 +200,113 @@ fn a_composite_that_is_not_there_is_answered_with_those_that_are() {
         assert!(!err.contains("Running"), "nothing runs: {err}");
     }
 }
+
+const LISTENER: &str = r#"asm listener
+import StandardLibrary
+signature:
+  monitored go: Boolean
+  monitored distance: Real
+  controlled near: Boolean
+definitions:
+  main rule r_Main = if go and distance < 1.0 then near := true endif
+"#;
+
+const LISTENING: &str = r#"schema = "composite/1"
+[composite]
+name = "listening"
+types = "types.toml"
+[components.Listener]
+implementation = { asm = "listener.asm" }
+task = { period_ms = 50 }
+subscribe = { go = "std_msgs/Bool", scan = "sensor_msgs/LaserScan", list = "acme/List" }
+[components.Listener.bind.monitored]
+go = { topic = "go", field = "data", none = false }
+distance = { topic = "scan", field = "range_min", none = 9.0 }
+[[promote]]
+topic = "go"
+as = "go"
+[[promote]]
+topic = "scan"
+as = "scan"
+[[promote]]
+topic = "list"
+as = "list"
+"#;
+
+const TYPES: &str = r#"schema = "composite-types/1"
+[type."acme/List"]
+fields = { data = "f64[]" }
+"#;
+
+/// Checks the composite with a change; returns the output.
+fn listening(change: (&str, &str), types: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(LISTENING.contains(change.0), "{}", change.0);
+    let composite = LISTENING.replacen(change.0, change.1, 1);
+    let files = [
+        ("listener.asm", LISTENER),
+        ("types.toml", types),
+        ("c.composite.toml", &composite),
+    ];
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let path = folder.path().join("c.composite.toml").display().to_string();
+    let (_, out, err) = run(&["check", &path]);
+    out + &err
+}
+
+#[test]
+fn a_composite_without_mistakes_has_no_findings() {
+    let said = listening(("\"listening\"", "\"listening\""), TYPES);
+    assert!(said.contains("no findings"), "{said}");
+}
+
+/// What the way out says is what makes the composite right.
+#[test]
+fn a_mistake_in_a_composite_is_answered_with_what_to_write() {
+    let mistakes = [
+        (
+            ("[[promote]]\ntopic = \"go\"\nas = \"go\"\n", ""),
+            "add `[[promote]]` with `topic = \"go\"` and `as = \"go\"`",
+        ),
+        (
+            ("go = \"std_msgs/Bool\"", "go = \"Bool\""),
+            "did you mean `std_msgs/Bool`?",
+        ),
+        (
+            ("field = \"range_min\"", "field = \"ranges[3]\""),
+            "did you mean `ranges.3`?",
+        ),
+        (
+            ("field = \"range_min\"", "field = \"ranges\""),
+            "the path to an element of a list ends with its number, as in `ranges.0`",
+        ),
+        (
+            (
+                "[[promote]]\ntopic = \"go\"\nas = \"go\"\n[[promote]]\ntopic = \"scan\"\nas = \"scan\"\n\
+                 [[promote]]\ntopic = \"list\"\nas = \"list\"\n",
+                "[promote]\ngo = \"go\"\n",
+            ),
+            "begin each table of the list with `[[promote]]`",
+        ),
+    ];
+    for (change, help) in mistakes {
+        let said = listening(change, TYPES);
+        assert!(said.contains(help), "{change:?}: {said}");
+    }
+    assert!(!listening(("field = \"range_min\"", "field = \"ranges.3\""), TYPES).contains("help"));
+}
+
+#[test]
+fn a_field_with_a_wrong_type_is_one_finding_and_its_uses_none() {
+    let types = TYPES.replace("f64[]", "[f64]");
+    let use_it = (
+        "topic = \"scan\", field = \"range_min\"",
+        "topic = \"list\", field = \"data.0\"",
+    );
+    let said = listening(use_it, &types);
+    assert!(said.contains("`[f64]` is not valid as a type"), "{said}");
+    assert!(said.contains("a list `name[]`"), "{said}");
+    assert!(said.contains("error: 1 error in 1 file"), "{said}");
+}

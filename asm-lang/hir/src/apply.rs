@@ -121,6 +121,13 @@ impl Resolver<'_> {
                 return self.invalid(span);
             }
             let scope = &self.declared.scopes[self.unit];
+            let literal = scope
+                .literal_ignoring_case(&name.text)
+                .filter(|_| arguments.is_empty());
+            let literal = literal.map(|(literal, atom)| {
+                let atom = self.declared.atoms.get(atom.0 as usize);
+                (literal, atom.map_or_else(Span::default, |atom| atom.span))
+            });
             let similar = scope.similar_function(&name.text).map(|found| {
                 let declared = scope.functions.get(&found).and_then(|ids| ids.first());
                 let span = declared.map_or_else(Span::default, |id| {
@@ -131,7 +138,7 @@ impl Resolver<'_> {
             self.error(UnknownFunction {
                 name: name.text.clone(),
                 at: name.span,
-                similar,
+                similar: literal.or(similar),
                 hidden,
             });
             return self.invalid(span);

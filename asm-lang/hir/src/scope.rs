@@ -59,6 +59,13 @@ impl Scope {
         similar(name, self.domains.keys().chain(self.literals.keys())).cloned()
     }
 
+    /// Returns the literal that differs from the name at most in the case of its letters: `IDLE` for `idle`.
+    pub fn literal_ignoring_case(&self, name: &str) -> Option<(Arc<str>, Atom)> {
+        let mut literals = self.literals.iter();
+        let (literal, atoms) = literals.find(|(it, _)| it.eq_ignore_ascii_case(name))?;
+        Some((literal.clone(), *atoms.first()?))
+    }
+
     /// Returns the most similar name of a domain.
     pub fn similar_domain(&self, name: &str) -> Option<Arc<str>> {
         similar(name, self.domains.keys()).cloned()

@@ -237,7 +237,14 @@ impl Resolver<'_> {
             let ty = self.declared.resolve_type(self.unit, &domain);
             return self.new_term(TermKind::Extent(ty), Type::Powerset(ty), name.span);
         }
-        let similar = scope.similar_constant(&name.text);
+        let booleans = ["true", "false"];
+        let boolean = booleans
+            .iter()
+            .find(|it| it.eq_ignore_ascii_case(&name.text));
+        let similar = match boolean {
+            Some(boolean) => Some(Arc::from(*boolean)),
+            None => scope.similar_constant(&name.text),
+        };
         if let Some(element) = self.element(name) {
             return element;
         }

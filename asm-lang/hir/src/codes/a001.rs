@@ -44,7 +44,14 @@ impl Finding for UnknownFunction {
             return hidden.explain(diagnostic, self.at);
         }
         let finding = diagnostic.label(self.at, "not declared in this file or its imports");
-        let help = "declare it in the signature, or import the module that declares it";
+        let help = if UNDEFINED.contains(&&*self.name) {
+            "write `undef` for the undefined value, and `isDef(…)` or `isUndef(…)` to test for it"
+        } else {
+            "declare it in the signature, or import the module that declares it"
+        };
         with_similar(finding, self.at, similar, help)
     }
 }
+
+/// The undefined value in other languages.
+const UNDEFINED: [&str; 4] = ["null", "nil", "none", "undefined"];

@@ -33,6 +33,10 @@ pub(crate) struct UnknownCharacters {
 
 impl Finding for UnknownCharacters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic.label(self.at, "not part of the language")
+        let diagnostic = diagnostic.label(self.at, "not part of the language");
+        if self.characters.starts_with('#') {
+            return diagnostic.help("a comment begins with `//`, or is between `/*` and `*/`");
+        }
+        diagnostic
     }
 }

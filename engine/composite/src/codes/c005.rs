@@ -49,12 +49,14 @@ impl Finding for WrongKeyType {
             unit,
             ..
         } = self;
+        let diagnostic = diagnostic.label(self.at, format!("expected {expected}"));
+        if example.starts_with("[[") {
+            return diagnostic.help(format!("begin each table of the list with `{example}`"));
+        }
         let value = match *unit {
             "" => "a value".to_owned(),
             unit => format!("a whole number of {unit}"),
         };
-        diagnostic
-            .label(self.at, format!("expected {expected}"))
-            .help(format!("write {value} as in `{key} = {example}`"))
+        diagnostic.help(format!("write {value} as in `{key} = {example}`"))
     }
 }

@@ -57,7 +57,7 @@ impl Finding for SilentTopic {
         let diagnostic = diagnostic.label(self.at, "subscribed here");
         let Some(Nearest { name, declared }) = nearest else {
             return diagnostic.help(format!(
-                "to receive it from outside, add `[[promote]]` with `topic = \"{topic}\"`"
+                "to receive it from outside, add `[[promote]]` with `topic = \"{topic}\"` and `as = \"{topic}\"`"
             ));
         };
         let diagnostic = match declared {

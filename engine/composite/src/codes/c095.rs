@@ -87,10 +87,16 @@ pub(crate) struct WrongFieldType {
 impl Finding for WrongFieldType {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { typed, .. } = self;
+        let is_collection = self.function.codomain.name().contains('(');
+        let help = if self.found.trim_end_matches('`').ends_with(']') && !is_collection {
+            "bind a field of the function's type; the path to an element of a list ends with its number, as in `ranges.0`"
+        } else {
+            "bind a field of the function's type; `map` converts a string to a literal, and `edge = true` gives a Boolean"
+        };
         let diagnostic = diagnostic
-                    .label(self.at, "bound here")
-                    .label(self.function.declared, "declared here")
-                    .help("bind a field of the function's type; `map` converts a string to a literal, and `edge = true` gives a Boolean");
+            .label(self.at, "bound here")
+            .label(self.function.declared, "declared here")
+            .help(help);
         match typed {
             Some(typed) => diagnostic.label(*typed, "message described here"),
             None => diagnostic,

@@ -94,6 +94,11 @@ impl Finding for UnknownField {
             declared,
             ..
         } = self;
+        if let Some(path) = path_to_element(field, known) {
+            return diagnostic
+                .label(self.at, "not declared")
+                .did_you_mean(self.at, Some(&path));
+        }
         let nearest = nearest_name(field, known.iter().map(String::as_str));
         let known = known.iter().map(String::as_str);
         let diagnostic = diagnostic.label(self.at, "not declared");
@@ -103,4 +108,11 @@ impl Finding for UnknownField {
         };
         diagnostic.suggest_or(self.at, &nearest, has("fields", known))
     }
+}
+
+/// The path to an element that is written with an index in brackets: `ranges.0` for `ranges[0]`.
+fn path_to_element(field: &str, known: &[String]) -> Option<String> {
+    let (list, index) = field.strip_suffix(']')?.split_once('[')?;
+    let is_element = known.iter().any(|it| it == list) && index.parse::<usize>().is_ok();
+    is_element.then(|| format!("{list}.{index}"))
 }

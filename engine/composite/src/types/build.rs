@@ -41,10 +41,13 @@ impl<'d> Builder<'d, '_, '_> {
             return Schema::opaque(definition.name.value.clone());
         }
         self.open.push(&definition.name);
-        let fields = definition
-            .fields
-            .iter()
-            .map(|it| OutlineKey::new(it.name.value.clone(), "", self.value(&it.text)));
+        let fields = definition.fields.iter().map(|field| {
+            let value = match &field.text {
+                Some(text) => self.value(text),
+                None => Schema::plain(Shape::Any),
+            };
+            OutlineKey::new(field.name.value.clone(), "", value)
+        });
         let fields = fields.collect();
         self.open.pop();
         Schema {

@@ -19,7 +19,7 @@ pub(crate) use self::read::read;
 use crate::at::At;
 use crate::catalogue::Catalogue;
 use crate::finding::Findings;
-use crate::nearest::nearest_name;
+use crate::nearest::{Nearest, nearest_name};
 use crate::table::Dialect;
 
 /// Message types defined by the engine itself.
@@ -63,7 +63,8 @@ pub(crate) struct Definition {
 #[derive(Clone, Debug)]
 pub(crate) struct FieldText {
     pub name: At<String>,
-    pub text: TypeText,
+    /// `None` if it is malformed, which has been reported.
+    pub text: Option<TypeText>,
 }
 
 /// A type expression such as `f64`, `f64[]` or `nav/Event[5]`.
@@ -172,7 +173,15 @@ impl<'c> Types<'c> {
         if self.schema(name).is_none() {
             let messages = self.catalogue.messages();
             let known = self.described.keys().chain(&messages).map(String::as_str);
-            let nearest = nearest_name(name, known);
+            let suffix = format!("/{name}");
+            let without_package = known.clone().find(|known| known.ends_with(&suffix));
+            let nearest = match without_package {
+                Some(known) => Some(Nearest {
+                    name: known.to_owned(),
+                    declared: None,
+                }),
+                None => nearest_name(name, known),
+            };
             report.found(TypeNotInBuild {
                 name: name.to_owned(),
                 at,

@@ -42,11 +42,13 @@ impl Value for FieldText {
                 rule: "write a name, a list `name[]` or an array `name[5]`",
                 at: written.span,
             });
-            return None;
+            // the field exists, so that its uses need no finding of their own
+            let (name, text) = (key.clone(), None);
+            return Some(Self { name, text });
         };
         let span = reader.part(&written, 0..base.len());
         let base = At::new(base.to_owned(), span);
-        let (name, text) = (key.clone(), TypeText { base, many });
+        let (name, text) = (key.clone(), Some(TypeText { base, many }));
         Some(Self { name, text })
     }
 }
