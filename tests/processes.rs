@@ -495,6 +495,11 @@ fn tools_see_who_is_there_and_take_part() {
     );
     assert!(err.contains("did you mean `navigation.estop`?"), "{err}");
 
+    // the name of a topic begins with the robot
+    let (_, _, err) = tool(&["topic", "pub", "estop", r#"{"data":true}"#]);
+    assert!(err.contains("`estop` has no subscriber"), "{err}");
+    assert!(err.contains("did you mean `navigation.estop`?"), "{err}");
+
     // the state of the coordinator is visible
     let coordinator = state("ASMCoordinator");
     assert!(

@@ -74,7 +74,11 @@ fn unknown_topic(topic: &str, remote: &Remote) -> Option<String> {
     if known.iter().any(|known| known == topic) {
         return None;
     }
-    let suggestion = or_did_you_mean(similar(topic, &known).map(String::as_str));
+    // names on the broker begin with the robot
+    let of_a_robot = format!(".{topic}");
+    let whole = known.iter().find(|known| known.ends_with(&of_a_robot));
+    let suggestion = whole.or_else(|| similar(topic, &known));
+    let suggestion = or_did_you_mean(suggestion.map(String::as_str));
     Some(format!(
         "no running process has a topic `{topic}`{suggestion}"
     ))

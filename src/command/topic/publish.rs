@@ -1,5 +1,6 @@
 //! `asmotion topic pub`: publishes a message.
 
+use super::unknown_topic;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_bus::{Payload, PublishOptions, SenderId};
@@ -72,7 +73,9 @@ impl Pub {
             return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
         }
         if sent.unrouted > 0 {
-            terminal.warn(format_args!("`{}` has no subscriber", self.topic));
+            let unknown = unknown_topic(&self.topic, remote);
+            let reason = unknown.map_or_else(String::new, |unknown| format!(": {unknown}"));
+            terminal.warn(format_args!("`{}` has no subscriber{reason}", self.topic));
         }
         Ok(Exit::Ok)
     }
