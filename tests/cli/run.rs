@@ -12,6 +12,25 @@ fn n11_the_demo_reaches_its_goal_and_says_so() {
     assert!(err.contains("BLOCKED"), "the demo shows a replan: {err}");
 }
 
+/// Time of the processor, which does not depend on what else runs on the machine.
+#[test]
+fn n11_a_full_mission_takes_less_than_5_s() {
+    let script = "\"$0\" demo --speed 0 > /dev/null 2>&1 || exit 1; times";
+    let mut shell = std::process::Command::new("sh");
+    let shell = shell.args(["-c", script, env!("CARGO_BIN_EXE_asmotion")]);
+    let output = shell.output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let times = String::from_utf8(output.stdout).unwrap();
+    // the second line is about the children: user and system time, as in `0m0.31s 0m0.02s`
+    let seconds = |time: &str| {
+        let (minutes, seconds) = time.trim_end_matches('s').split_once('m').unwrap();
+        60.0 * minutes.parse::<f64>().unwrap() + seconds.parse::<f64>().unwrap()
+    };
+    let children = times.lines().nth(1).unwrap();
+    let total: f64 = children.split_whitespace().map(seconds).sum();
+    assert!((0.001..5.0).contains(&total), "{total} s: {times}");
+}
+
 #[test]
 fn the_demo_goes_where_it_is_told() {
     let (code, out, _) = run(&[
