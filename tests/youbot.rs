@@ -5,6 +5,7 @@ mod another_robot;
 mod bench;
 mod discovery;
 mod facade;
+mod lengths;
 mod locomotor;
 mod processes;
 mod proxy;

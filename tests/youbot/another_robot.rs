@@ -442,3 +442,44 @@ fn j17_without_a_broker_nothing_is_believed_about_another_robot() {
         "{said}"
     );
 }
+
+#[test]
+fn over_a_broker_a_command_of_another_length_is_refused_without_idle_and_reported_without_a_proxy()
+{
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let site = Site::new(&vhost);
+    let composite = site.write("arm", ARM);
+    let mut arm = Station::start(&mut site.run(&composite, &["--json"]));
+    queues(&vhost, "robots.services.arm.control.arm");
+    let begin = STATION.find("notify = ").unwrap();
+    let station = site.write("station", &STATION[..begin]);
+    let mut station = Station::start(&mut site.run(&station, &[]));
+    let client = Client::new(&vhost);
+    client.reaches(&[0.0; 6]);
+    let refused = client.command(&[0.1; 5]).unwrap_err().to_string();
+    let expected = "BAD_ARGUMENT: `position`: expected a list of 6, found one of 5";
+    assert!(refused.contains(expected), "{refused}");
+
+    // past the proxy, twice: the robot counts both, and reports the reason once
+    for _ in 0..2 {
+        site.tool(&[
+            "port",
+            "write",
+            "arm.Driver.commands",
+            "{\"position\": [0.1, 0.2]}",
+        ]);
+    }
+    arm.says("\"text\":\"`commands` refuses a message: 2 positions for 6 joints\"");
+
+    // back with another number of joints
+    drop(arm);
+    station.says("`Driver` of robot `arm`");
+    let _arm = site.arm(5);
+    client.reaches(&[0.0; 5]);
+    let refused = client.command(&[0.1; 6]).unwrap_err().to_string();
+    let expected = "BAD_ARGUMENT: `position`: expected a list of 5, found one of 6";
+    assert!(refused.contains(expected), "{refused}");
+}

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use asmotion_assembly::Standard;
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Property, Provided, Required, Time,
+    CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, NOTICE_REPORT, Out,
+    Property, Provided, Required, ThawError, Time,
 };
 use asmotion_composite::model::BuiltinComponent;
 use asmotion_composite::{AsmFiles, Constructor, Context, EmptyEnvironment, Tables};
@@ -55,6 +56,15 @@ impl Client {
 }
 
 impl Component for Client {
+    fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
+        FrozenState::of("test::Client", 1, &self.done)
+    }
+
+    fn thaw(&mut self, state: &FrozenState) -> Result<(), ThawError> {
+        self.done = state.read("test::Client", 1)?;
+        Ok(())
+    }
+
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let script = cycle.property(self.script);
         while let Some(line) = script.get(self.done) {
@@ -207,6 +217,10 @@ pub(super) struct Log {
     pub notes: Vec<(Time, String)>,
     /// The outcome of every call: operation, time, result.
     pub replies: Vec<(String, Time, Result<Datum, String>)>,
+    /// Every notice for the person who runs the system: component and text.
+    pub told: Vec<(String, String)>,
+    /// The details of the proxy's `fault` notices.
+    pub faults: Vec<String>,
     /// Number of each component's current cycle.
     cycles: BTreeMap<String, u64>,
     /// Cycles of the driver in which the client called, and in which the driver first read the command.
@@ -250,7 +264,12 @@ impl Log {
                 "notify" => {
                     let notice = datum_of(*argument);
                     let event = notice.get("event").unwrap();
-                    self.notices.push((at, event.as_text().unwrap().to_owned()));
+                    let event = event.as_text().unwrap().to_owned();
+                    if event == "fault" {
+                        let detail = notice.get("detail").unwrap();
+                        self.faults.push(detail.as_text().unwrap().to_owned());
+                    }
+                    self.notices.push((at, event));
                 }
                 _ if *component == "Client" => {
                     self.called_in.push(self.cycle_of_driver());
@@ -265,6 +284,14 @@ impl Log {
                     Err(error) => Err(error.to_string()),
                 };
                 self.replies.push(((*operation).to_owned(), at, result));
+            }
+            Event::Report {
+                component,
+                kind,
+                data,
+            } if *kind == NOTICE_REPORT => {
+                let text = data.as_text().unwrap_or_default().to_owned();
+                self.told.push(((*component).to_owned(), text));
             }
             Event::Published { .. }
             | Event::Injected { .. }

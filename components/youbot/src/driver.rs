@@ -1,7 +1,5 @@
 //! The dummy driver of the case study: a data-flow component that reads commands and writes status.
 
-use std::time::Duration;
-
 use asmotion_component::{
     Component, Cycle, Fault, Flow, Freeze, In, Interface, Out, Ports, Properties, PropertySet,
     Provided, Setup, freeze_by_fields,
@@ -10,6 +8,7 @@ use asmotion_messages::Text;
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
 
 use crate::joints::{Joints, Manner};
+use crate::period::follow;
 
 /// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
 #[derive(Freeze)]
@@ -23,9 +22,10 @@ pub struct DummyDriver {
 
 #[derive(Ports)]
 struct DriverPorts {
-    /// Target positions of the joints, rad; a command for another number of joints is ignored.
+    /// Target positions of the joints, rad. A command for another number of joints is refused: it is counted and
+    /// reported, and the joints keep their targets.
     commands: In<JointCommand>,
-    /// Period of the driver itself, s, 0.001 to 10; takes effect from its next cycle on.
+    /// Period of the driver itself, s, 0.001 to 10; takes effect from its next cycle on. Any other period is refused.
     period: In<Float64>,
     /// Position, velocity, current, temperature and error bits of each joint, every cycle.
     #[port(name = "jointStatus")]
@@ -73,11 +73,15 @@ impl Component for DummyDriver {
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.properties.refresh(cycle);
-        if let Flow::NewData(command) = cycle.read(self.ports.commands) {
-            self.joints.turn_to(&command.position);
+        if let Flow::NewData(command) = cycle.read(self.ports.commands)
+            && let Err(wrong) = self.joints.turn_to(&command.position)
+        {
+            cycle.refuse(self.ports.commands, wrong.to_string());
         }
-        if let Flow::NewData(&Float64 { data }) = cycle.read(self.ports.period) {
-            follow(data, cycle);
+        if let Flow::NewData(&Float64 { data }) = cycle.read(self.ports.period)
+            && !follow(data, cycle)
+        {
+            cycle.refuse(self.ports.period, format!("{data} s is not 0.001 to 10 s"));
         }
         for request in cycle.requests(self.ports.set_period) {
             let data = follow(request.argument.period, cycle);
@@ -91,13 +95,4 @@ impl Component for DummyDriver {
         cycle.write(self.ports.status, status.clone());
         Ok(())
     }
-}
-
-/// Sets the period (s) from the next cycle on. Returns whether it is between 0.001 s and 10 s.
-fn follow(period: f64, cycle: &mut Cycle<'_>) -> bool {
-    let is_valid = (0.001..=10.0).contains(&period);
-    if is_valid {
-        cycle.set_period(Duration::from_secs_f64(period));
-    }
-    is_valid
 }

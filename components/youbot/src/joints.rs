@@ -26,6 +26,14 @@ pub(crate) struct Manner {
     pub faults: Vec<u16>,
 }
 
+/// A goal for another number of joints.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{positions} positions for {joints} joints")]
+pub(crate) struct WrongCount {
+    joints: usize,
+    positions: usize,
+}
+
 /// Mask of the ten error bits of a joint.
 const ERROR_BITS: u16 = 0x3ff;
 
@@ -45,11 +53,19 @@ impl Joints {
         }
     }
 
-    /// Sets the target positions, rad; a goal for another number of joints is ignored.
-    pub(crate) fn turn_to(&mut self, goal: &[f64]) {
-        if goal.len() == self.goal.len() {
-            self.goal.copy_from_slice(goal);
+    /// Sets the target positions, rad. A goal for another number of joints changes nothing.
+    ///
+    /// # Errors
+    /// Both numbers.
+    pub(crate) fn turn_to(&mut self, goal: &[f64]) -> Result<(), WrongCount> {
+        if goal.len() != self.goal.len() {
+            return Err(WrongCount {
+                joints: self.goal.len(),
+                positions: goal.len(),
+            });
         }
+        self.goal.copy_from_slice(goal);
+        Ok(())
     }
 
     pub(crate) fn are_resting(&self) -> bool {
@@ -103,7 +119,7 @@ mod tests {
     /// The status in 20 cycles of 100 ms.
     fn stream(seed: u64, random: bool) -> Vec<JointStatus> {
         let mut joints = Joints::new(2, seed);
-        joints.turn_to(&[0.12, -1.0]);
+        joints.turn_to(&[0.12, -1.0]).unwrap();
         let mut stream = Vec::new();
         for cycle in 1..=20 {
             let now = Time::from_nanos(cycle * 100_000_000);
@@ -157,7 +173,8 @@ mod tests {
     #[test]
     fn a_goal_for_another_number_of_joints_is_none() {
         let mut joints = Joints::new(2, 1);
-        joints.turn_to(&[1.0; 5]);
+        let refused = joints.turn_to(&[1.0; 5]).unwrap_err();
+        assert_eq!(refused.to_string(), "5 positions for 2 joints");
         joints.measure(Time::from_nanos(100_000_000), &manner(false));
         assert!(joints.are_resting());
     }

@@ -7,6 +7,7 @@ mod inverse;
 mod joints;
 mod kinematics;
 mod operator;
+mod period;
 mod unreachable;
 
 pub use arm::{Arm, ArmJoints};

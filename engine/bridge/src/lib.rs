@@ -11,5 +11,6 @@ pub use condition::{ConditionError, MessageCondition};
 pub use conversion::{Conversion, Use};
 pub use fit::{SchemaMisfit, check_fit};
 pub use proxy::{
-    IdleCriterion, Mapped, PortProxy, ProxyNotification, ProxyPort, ProxySettings, ReplyMode,
+    IdleCriterion, ListLength, Mapped, PortProxy, ProxyNotification, ProxyPort, ProxySettings,
+    ReplyMode,
 };

@@ -7,6 +7,7 @@
 
 mod events;
 mod freeze;
+mod lengths;
 mod motion;
 mod operation;
 mod settings;
@@ -14,17 +15,20 @@ mod settings;
 use std::sync::Arc;
 
 use asmotion_component::{
-    CannotFreeze, Component, Cycle, Fault, FrozenState, In, Interface, Out, ServiceFault,
-    ThawError, Time,
+    CannotFreeze, Component, Cycle, Fault, FrozenState, In, Interface, Losses, NOTICE_REPORT, Out,
+    ServiceFault, ThawError, Time,
 };
 use asmotion_datum::{Datum, Schema};
 
-use crate::fit::check_fit;
+use crate::fit::{SchemaMisfit, check_fit};
 use events::ProxyEvents;
+use lengths::LengthMonitor;
 use motion::MotionMonitor;
 use operation::{ProxiedOperation, TAKEN_BACK, refusal};
 
-pub use settings::{IdleCriterion, Mapped, ProxyNotification, ProxyPort, ProxySettings, ReplyMode};
+pub use settings::{
+    IdleCriterion, ListLength, Mapped, ProxyNotification, ProxyPort, ProxySettings, ReplyMode,
+};
 
 /// A component that provides the ports of another component, its target, as services.
 pub struct PortProxy {
@@ -33,10 +37,38 @@ pub struct PortProxy {
     /// Outputs of the proxy, connected to inputs of the target.
     outputs: Vec<ProxyOutput>,
     operations: Vec<ProxiedOperation>,
+    lengths: LengthMonitor,
     motion: Option<MotionMonitor>,
+    refused: RefusedCommands,
     events: Option<ProxyEvents>,
     /// Time of the newest sample; before the first one, time of the proxy's first cycle.
     received_at: Option<Time>,
+}
+
+/// Commands of which no reply says that they were refused: there is no caller who waits, or it has had its reply.
+#[derive(Default)]
+struct RefusedCommands {
+    count: u64,
+    /// Reasons that have been reported, so that each is reported once.
+    reported: Vec<String>,
+}
+
+/// Limit of remembered reasons of refusals; further ones are counted only.
+const MAX_REASONS: usize = 8;
+
+impl RefusedCommands {
+    /// Counts a command, and reports the reason if it is new.
+    fn add(&mut self, reason: String, cycle: &mut Cycle<'_>) {
+        self.count += 1;
+        cycle.set_losses(Losses {
+            dropped: 0,
+            misfits: self.count,
+        });
+        if self.reported.len() < MAX_REASONS && !self.reported.contains(&reason) {
+            cycle.report(NOTICE_REPORT, Datum::text(reason.as_str()));
+            self.reported.push(reason);
+        }
+    }
 }
 
 #[derive(Clone)]
@@ -73,6 +105,8 @@ impl PortProxy {
             operations: operations
                 .map(|mapped| ProxiedOperation::declare(mapped, interface))
                 .collect(),
+            lengths: LengthMonitor::new(&settings.lengths),
+            refused: RefusedCommands::default(),
             motion: notify
                 .and_then(|notify| notify.idle.clone())
                 .map(MotionMonitor::new),
@@ -127,10 +161,18 @@ impl PortProxy {
         for operation in &mut self.operations {
             operation.store_sample(port, sample);
         }
+        for (commands, misfit) in self.lengths.measure(port, sample) {
+            self.reject_sent(&commands, &misfit, cycle);
+        }
         let arrived = self
             .motion
             .as_mut()
             .and_then(|motion| motion.measure(port, sample, cycle.now()));
+        if arrived.is_some()
+            && let Some(motion) = &self.motion
+        {
+            self.lengths.finish(motion.commanded_port());
+        }
         let faulty = self.events.as_mut().is_some_and(|events| {
             let faulty = events.notify_sample(port, sample, cycle);
             if let Some(error) = arrived {
@@ -146,6 +188,21 @@ impl PortProxy {
                 operation.reply_to_finished(cycle);
             }
         }
+    }
+
+    /// Handles a command that was sent before the proxy knew that the target cannot carry it out.
+    fn reject_sent(&mut self, port: &str, misfit: &SchemaMisfit, cycle: &mut Cycle<'_>) {
+        let text = format!("the target cannot carry out the last command for `{port}`: {misfit}");
+        if let Some(motion) = self.motion.as_mut().filter(|it| it.is_commanded_by(port)) {
+            motion.abandon();
+            for operation in &mut self.operations {
+                operation.refuse_waiting("BAD_ARGUMENT", &misfit.to_string(), cycle);
+            }
+        }
+        if let Some(events) = &self.events {
+            events.notify_fault(&text, cycle);
+        }
+        self.refused.add(text, cycle);
     }
 
     /// Reports once that samples have stopped, and ends the wait of callers for the end of a motion.
@@ -193,7 +250,13 @@ impl PortProxy {
                         operation.accepted(request.id, cycle);
                     }
                 }
-                Err(fault) => cycle.reply(served, request.id, Err(fault)),
+                Err(fault) if wants_reply => cycle.reply(served, request.id, Err(fault)),
+                Err(fault) => {
+                    let port = self.operations.get(index).map(|it| it.port.as_str());
+                    let port = port.unwrap_or_default();
+                    let text = format!("a one-way command for `{port}` is refused: {fault}");
+                    self.refused.add(text, cycle);
+                }
             }
         }
     }
@@ -211,14 +274,17 @@ impl PortProxy {
         let output = outputs.find(|output| output.name == operation.port);
         let output = output.ok_or_else(missing)?;
         let message = operation.conversion.apply(argument);
-        let unfit = |misfit: crate::fit::SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
+        let unfit = |misfit: SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
         check_fit(&message, &output.message).map_err(unfit)?;
+        self.lengths
+            .command(&output.name, &message)
+            .map_err(unfit)?;
         if let Some(motion) = self
             .motion
             .as_mut()
             .filter(|it| it.is_commanded_by(&output.name))
         {
-            motion.command(&message).map_err(unfit)?;
+            motion.command(&message);
             for operation in &mut self.operations {
                 operation.refuse_waiting("SUPERSEDED", TAKEN_BACK, cycle);
             }

@@ -36,6 +36,8 @@ pub enum CycleAction {
     },
     /// Reports data of this kind to the observers.
     Report(&'static str, Datum),
+    /// Counts a sample of the input port at this position that the component refused, and reports the cause if it is new.
+    Refuse(usize, String),
     /// Changes the component's period; zero makes it event-driven.
     SetPeriod(Duration),
     /// Triggers the component itself, if it is event-driven.

@@ -114,6 +114,14 @@ impl<'a> Cycle<'a> {
             .count_lost(port.position(self.host.owner()), count);
     }
 
+    /// Refuses a sample of an input port that the component cannot use, such as a command for another number of joints. It is
+    /// counted among the misfits of the component ([`Losses::misfits`]), and each cause is reported once as a notice; so write
+    /// what was expected and what was found, not the sample.
+    pub fn refuse<T: Message>(&mut self, port: In<T>, cause: impl Into<String>) {
+        let port = port.position(self.host.owner());
+        self.host.record(CycleAction::Refuse(port, cause.into()));
+    }
+
     /// The queue that the connections of an input port form together; [`BufferKind::Data`] if one of them keeps only the
     /// newest sample, or if there is none. A component that queues messages itself keeps as many.
     pub fn queue<T: Message>(&self, port: In<T>) -> BufferKind {

@@ -6,7 +6,7 @@
 
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_datum::{Schema, Shape};
-use asmotion_diagnostics::Report;
+use asmotion_diagnostics::{Report, Span};
 
 use crate::at::At;
 use crate::catalogue::Catalogue;
@@ -14,8 +14,8 @@ use crate::codes::c150::UnmappedOperation;
 use crate::finding::Findings;
 use crate::map;
 use crate::model::{
-    BuiltinComponent, Component, Composite, Connection, End, Implementation, Listed, MapEntry,
-    Policy, ProxyEntry, ProxyMode, Terminal,
+    BuiltinComponent, Component, Composite, Connection, End, Implementation, ListLength, Listed,
+    MapEntry, MessagePath, Policy, ProxyEntry, ProxyMode, Terminal,
 };
 
 /// Completes the port-proxies of a composite; reports operations for which the target has no single port.
@@ -25,7 +25,7 @@ pub(crate) fn complete(
     declared: &dyn Fn(&Component) -> Option<Declaration>,
     report: &mut Report,
 ) {
-    let mut discovered: Vec<(usize, Vec<ProxyEntry>)> = Vec::new();
+    let mut discovered: Vec<(usize, Vec<ProxyEntry>, Vec<ListLength>)> = Vec::new();
     for (index, proxy) in composite.components.iter().enumerate() {
         let target = target_of(proxy).and_then(|target| {
             let known = composite.component(target)?;
@@ -37,15 +37,18 @@ pub(crate) fn complete(
                 target,
                 ports,
             };
-            discovered.push((index, discovery.entries(catalogue, report)));
+            let entries = discovery.entries(catalogue, report);
+            let lengths = discovery.lengths(&entries);
+            discovered.push((index, entries, lengths));
         }
     }
-    for (index, entries) in discovered {
+    for (index, entries, lengths) in discovered {
         let Some(proxy) = composite.components.get_mut(index) else {
             continue;
         };
         let entries = entries.into_iter().map(MapEntry::Proxy);
         proxy.special.map.extend(entries);
+        proxy.special.lengths.extend(lengths);
         let missing = missing_connections(proxy, &composite.connections);
         composite.connections.extend(missing);
     }
@@ -157,6 +160,52 @@ impl Discovery<'_> {
         entries
     }
 
+    /// Returns the lists of numbers of commands that have the path of exactly one list of numbers in the mapped state, unless
+    /// `lengths` or `idle` says what determines their length. `discovered` are the entries that `map` does not list.
+    fn lengths(&self, discovered: &[ProxyEntry]) -> Vec<ListLength> {
+        let special = &self.proxy.special;
+        let listed = special.map.iter().filter_map(|entry| match entry {
+            MapEntry::Proxy(entry) => Some(entry),
+            MapEntry::Ros(_) => None,
+        });
+        let mapped: Vec<&ProxyEntry> = listed.chain(discovered).collect();
+        let is_mapped = |port: &TargetPort| {
+            mapped.iter().any(|entry| {
+                entry.port.name.value == port.name && reads(entry.mode.value) == reads(port.mode)
+            })
+        };
+        let ports: Vec<&TargetPort> = self.ports.iter().filter(|port| is_mapped(port)).collect();
+        let is_said = |of: &str| {
+            let idle = special.notify.as_ref().and_then(|it| it.idle.as_ref());
+            let mut said = special.lengths.iter().map(|it| &it.of);
+            said.any(|it| it.to_string() == of) || idle.is_some_and(|it| it.of.to_string() == of)
+        };
+        let mut lengths = Vec::new();
+        for commands in ports.iter().filter(|port| !reads(port.mode)) {
+            for (path, is_fixed) in number_lists(&commands.message) {
+                let state = ports.iter().filter(|port| {
+                    let lists = number_lists(&port.message);
+                    reads(port.mode) && lists.iter().any(|(known, _)| *known == path)
+                });
+                let state: Vec<&&TargetPort> = state.collect();
+                let of = format!("{}.{path}", commands.name);
+                if let [state] = state.as_slice()
+                    && !is_fixed
+                    && !is_said(&of)
+                {
+                    let at = self.target.span;
+                    let on = format!("{}.{path}", state.name);
+                    lengths.push(ListLength {
+                        span: at,
+                        of: MessagePath::at(&of, at),
+                        on: Some(MessagePath::at(&on, at)),
+                    });
+                }
+            }
+        }
+        lengths
+    }
+
     fn is_mapped(&self, service: &Listed, operation: &OperationDeclaration) -> bool {
         self.proxy.special.map.iter().any(|entry| match entry {
             MapEntry::Proxy(entry) => {
@@ -217,7 +266,37 @@ fn is_empty(schema: &Schema) -> bool {
     matches!(&schema.shape, Shape::Record(fields) if fields.is_empty())
 }
 
-/// Returns a connection for each mapped port that the composite neither connects nor puts on a topic.
+/// Returns whether an operation with this mode reads an output of the target.
+fn reads(mode: ProxyMode) -> bool {
+    match mode {
+        ProxyMode::Last | ProxyMode::All => true,
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => false,
+    }
+}
+
+/// Returns the path of each list of floating-point numbers in a message, outside of other lists, and whether its type fixes its length.
+fn number_lists(message: &Schema) -> Vec<(String, bool)> {
+    let mut found = Vec::new();
+    let Shape::Record(fields) = &message.shape else {
+        return found;
+    };
+    for field in fields {
+        let name = &field.name;
+        if let Shape::List(element) | Shape::Array(element, _) = &field.schema.shape {
+            // other lists are rather texts, bytes or points, which are as many as it takes
+            if element.shape.is_float() {
+                let is_fixed = matches!(field.schema.shape, Shape::Array(..));
+                found.push((name.to_string(), is_fixed));
+            }
+            continue;
+        }
+        let inner = number_lists(&field.schema).into_iter();
+        found.extend(inner.map(|(path, is_fixed)| (format!("{name}.{path}"), is_fixed)));
+    }
+    found
+}
+
+/// Returns a connection for each mapped port, and each port that `lengths` names, that the composite neither connects nor puts on a topic.
 fn missing_connections(proxy: &Component, connections: &[Connection]) -> Vec<Connection> {
     let is_own = |terminal: &Terminal, port: &str| match terminal {
         Terminal::Port(end) => end.component.value == proxy.name.value && end.name.value == port,
@@ -229,37 +308,45 @@ fn missing_connections(proxy: &Component, connections: &[Connection]) -> Vec<Con
         &proxy.subscribe,
         &proxy.publish,
     ];
-    let mut missing: Vec<Connection> = Vec::new();
-    for entry in &proxy.special.map {
-        let MapEntry::Proxy(entry) = entry else {
-            continue;
+    let mapped = proxy.special.map.iter().filter_map(|entry| match entry {
+        MapEntry::Proxy(entry) => Some((entry.span, entry.port.clone(), entry.mode.value)),
+        MapEntry::Ros(_) => None,
+    });
+    let lengths = proxy.special.lengths.iter().filter_map(|length| {
+        let port = End {
+            component: target_of(proxy)?.clone(),
+            name: length.on.as_ref()?.steps.first()?.clone(),
         };
-        let port = &entry.port.name;
+        Some((length.span, port, ProxyMode::Last))
+    });
+    let mut missing: Vec<Connection> = Vec::new();
+    for (span, end, mode) in mapped.chain(lengths) {
+        let port = &end.name;
         let all = connections.iter().chain(&missing);
         let mut ends = all.flat_map(|it| it.from.iter().chain(&it.to));
         let is_listed = lists
             .iter()
             .any(|list| list.iter().any(|it| it.name.value == port.value));
         if !is_listed && !ends.any(|end| is_own(end, port)) {
-            missing.push(connection(proxy, entry));
+            missing.push(connection(proxy, span, &end, mode));
         }
     }
     missing
 }
 
 /// The connection between the port of the target and its counterpart in the proxy.
-fn connection(proxy: &Component, entry: &ProxyEntry) -> Connection {
-    let theirs = Terminal::Port(entry.port.clone());
+fn connection(proxy: &Component, span: Span, port: &End, mode: ProxyMode) -> Connection {
+    let theirs = Terminal::Port(port.clone());
     let own = Terminal::Port(End {
-        component: At::new(proxy.name.value.clone(), entry.port.component.span),
-        name: entry.port.name.clone(),
+        component: At::new(proxy.name.value.clone(), port.component.span),
+        name: port.name.clone(),
     });
-    let (from, to) = match entry.mode.value {
+    let (from, to) = match mode {
         ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => (own, theirs),
         ProxyMode::Last | ProxyMode::All => (theirs, own),
     };
     Connection {
-        span: entry.span,
+        span,
         from: vec![from],
         to: vec![to],
         profiles: proxy.profiles.clone(),

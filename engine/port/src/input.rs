@@ -27,7 +27,7 @@ pub struct InputPort<T> {
     newest: Option<Newest>,
     stale: bool,
     /// Causes of refusals that have been returned, so that each is reported once.
-    known_causes: Vec<DatumError>,
+    known_causes: Vec<String>,
     /// Messages lost on the way into the port.
     losses: LossCounter,
     /// Number of these messages when the port was last frozen.
@@ -47,17 +47,26 @@ pub struct Refusals {
     /// Number of samples with values that cannot be meant.
     pub implausible: u64,
     /// Causes that this port has not returned before.
-    pub new_causes: Vec<DatumError>,
+    pub new_causes: Vec<String>,
 }
 
 impl Refusals {
-    fn add(&mut self, cause: DatumError, known: &mut Vec<DatumError>) {
+    fn add(&mut self, cause: &DatumError, known: &mut Vec<String>) {
         self.implausible += 1;
-        if known.len() < MAX_CAUSES && !known.contains(&cause) {
-            known.push(cause.clone());
+        let cause = cause.to_string();
+        if is_new_cause(&cause, known) {
             self.new_causes.push(cause);
         }
     }
+}
+
+/// Remembers a cause. Returns whether it is to be reported.
+fn is_new_cause(cause: &str, known: &mut Vec<String>) -> bool {
+    let is_new = known.len() < MAX_CAUSES && !known.iter().any(|it| it == cause);
+    if is_new {
+        known.push(cause.to_owned());
+    }
+    is_new
 }
 
 /// Origin of the newest sample.
@@ -115,7 +124,7 @@ impl<T: Message> InputPort<T> {
         }
         for (connection, sample) in self.received.drain(..) {
             if let Err(cause) = sample.value.check() {
-                refusals.add(cause, &mut self.known_causes);
+                refusals.add(&cause, &mut self.known_causes);
                 continue;
             }
             self.newest = Some(Newest {
@@ -183,6 +192,10 @@ pub trait AnyInput: Any + Send {
     /// [`Message::check`] are refused, as if they had not been written. Returns which samples were refused.
     fn freeze(&mut self, now: Time) -> Refusals;
 
+    /// Remembers why the component refused a sample that it had read. Returns whether the cause is to be reported: each is
+    /// reported once, and only the first few of a port.
+    fn refuse(&mut self, cause: &str) -> bool;
+
     /// Returns whether the newest sample is older than its connection's policy allows.
     fn is_stale(&self) -> bool;
 
@@ -246,6 +259,10 @@ impl<T: Message> AnyInput for InputPort<T> {
         refusals
     }
 
+    fn refuse(&mut self, cause: &str) -> bool {
+        is_new_cause(cause, &mut self.known_causes)
+    }
+
     fn is_stale(&self) -> bool {
         self.stale
     }
@@ -306,6 +323,7 @@ impl<T: Message> AnyInput for InputPort<T> {
             }),
             stale: self.stale,
             lost: self.losses.total(),
+            causes: self.known_causes.clone(),
         })
     }
 
@@ -329,6 +347,7 @@ impl<T: Message> AnyInput for InputPort<T> {
         self.stale = snapshot.stale;
         self.losses.set(snapshot.lost);
         self.lost = snapshot.lost;
+        self.known_causes.clone_from(&snapshot.causes);
         Ok(())
     }
 

@@ -37,6 +37,8 @@ pub(crate) struct ComponentBody {
     pub cause: Arc<CycleCause>,
     /// The actions of the current cycle, in order. Carried out by `commit`, dropped by `discard`.
     pub journal: Vec<CycleAction>,
+    /// Number of samples that the component refused in cycles that were committed, since the unit last took it.
+    pub refused: u64,
     /// Executor of the component's background work.
     pub work_place: WorkPlace,
     /// Duration of the current cycle in simulated time.
@@ -86,6 +88,7 @@ impl ComponentBody {
             caller: OutgoingCalls::new(component, Arc::clone(&cause)),
             cause,
             journal: Vec::new(),
+            refused: 0,
             work_place: WorkPlace::default(),
             cycle_duration: Duration::ZERO,
             later: LaterCycle::default(),
@@ -112,12 +115,7 @@ impl ComponentBody {
             }
             implausible += refusals.implausible;
             for cause in &refusals.new_causes {
-                let text = format!("`{}` refuses a message: {cause}", declared.name);
-                effects.emit(&Event::Report {
-                    component: effects.name,
-                    kind: NOTICE_REPORT,
-                    data: &Datum::text(text),
-                });
+                report_refusal(&declared.name, cause, effects);
             }
         }
         for service in &mut self.services {
@@ -126,6 +124,18 @@ impl ComponentBody {
         self.caller.process_replies(&self.references, effects);
         self.caller.freeze();
         implausible
+    }
+
+    /// Remembers the cause of a sample that the component refused, and reports it if it is new.
+    fn refuse(&mut self, port: usize, cause: &str, effects: &mut ComponentEffects<'_>) {
+        let declared = self.declaration.inputs.get(port);
+        let (Some(input), Some(declared)) = (self.inputs.get_mut(port), declared) else {
+            return;
+        };
+        self.refused += 1;
+        if input.refuse(cause) {
+            report_refusal(&declared.name, cause, effects);
+        }
     }
 
     /// Carries out the actions of the cycle in order. If a mandatory connection could not take a sample, returns a
@@ -165,6 +175,7 @@ impl ComponentBody {
                     kind,
                     data: &what,
                 }),
+                CycleAction::Refuse(port, cause) => self.refuse(port, &cause, effects),
                 CycleAction::SetPeriod(period) => set_period(period),
                 CycleAction::CycleAgain => effects.effects.trigger(effects.component),
                 CycleAction::CycleAt(at) => self.later.request(at),
@@ -270,7 +281,8 @@ impl ComponentBody {
             | CycleAction::Report(..)
             | CycleAction::SetPeriod(_)
             | CycleAction::CycleAgain
-            | CycleAction::CycleAt(_) => None,
+            | CycleAction::CycleAt(_)
+            | CycleAction::Refuse(..) => None,
         });
         match command {
             None => Ok(()),
@@ -398,6 +410,16 @@ impl PropertyHost for CycleBody<'_> {
     fn property(&self, index: usize) -> Option<&dyn AnyProperty> {
         PropertyHost::property(self.body, index)
     }
+}
+
+/// Reports why an input port, or its component, refused a sample.
+fn report_refusal(port: &str, cause: &str, effects: &mut ComponentEffects<'_>) {
+    let text = format!("`{port}` refuses a message: {cause}");
+    effects.emit(&Event::Report {
+        component: effects.name,
+        kind: NOTICE_REPORT,
+        data: &Datum::text(text),
+    });
 }
 
 impl CycleHost for CycleBody<'_> {

@@ -183,6 +183,8 @@ impl ComponentUnit {
                 let set_period = |period| drive = drive.with_period(period);
                 // cannot fail: nothing is written
                 let _ = self.body.commit(&mut own, set_period);
+                self.status
+                    .add_refused(std::mem::take(&mut self.body.refused));
                 self.body.later.forget();
                 self.set_drive(drive);
             }
@@ -200,6 +202,8 @@ impl ComponentUnit {
             &mut component_effects(&self.name, self.index, now, effects),
             |period| drive = drive.with_period(period),
         );
+        self.status
+            .add_refused(std::mem::take(&mut self.body.refused));
         self.set_drive(drive);
         match error.or(committed.err()) {
             Some(fault) => {
@@ -264,6 +268,7 @@ impl ComponentUnit {
         let mut own = component_effects(name, self.index, now, effects);
         // a period set here would have no effect
         let committed = body.commit(&mut own, |_| {});
+        status.add_refused(std::mem::take(&mut body.refused));
         let reported = stopped?;
         reported.map_or(committed, Err)
     }

@@ -1,6 +1,6 @@
 //! Prints the events and the summary of a run, as text or as JSON.
 
-use asmotion_component::{Losses, Time};
+use asmotion_component::{LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord};
 use asmotion_runtime::Event;
 use serde_json::json;
@@ -20,6 +20,13 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
             let step: StepRecord = what.to().ok()?;
             Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
         }
+        Event::Report {
+            component,
+            kind,
+            data,
+        } if *kind == NOTICE_REPORT || *kind == LOG_REPORT => Some(json!({
+            "type": *kind, "v": 1, "t": t, "component": component, "text": data.as_text(),
+        })),
         Event::Report {
             component,
             kind,

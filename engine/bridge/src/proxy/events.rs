@@ -64,6 +64,13 @@ impl ProxyEvents {
         faulty
     }
 
+    /// Sends `fault`, if the composite asks for faults.
+    pub(super) fn notify_fault(&self, detail: &str, cycle: &mut Cycle<'_>) {
+        if self.notify.fault.is_some() {
+            self.notify("fault", detail.to_owned(), cycle);
+        }
+    }
+
     /// Sends `stale` if samples have just become overdue, and returns their age.
     pub(super) fn notify_stale(
         &mut self,

@@ -7,6 +7,7 @@ use asmotion_datum::Datum;
 use serde::{Deserialize, Serialize};
 
 use super::PortProxy;
+use super::lengths::LearntLength;
 use super::motion::MotionMonitor;
 use super::operation::Waiting;
 
@@ -14,7 +15,7 @@ use super::operation::Waiting;
 const COMPONENT: &str = "port-proxy";
 
 /// Layout version of [`FrozenProxy`].
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,6 +27,12 @@ struct FrozenProxy {
     /// `true` between an event `stale` and the next sample; `None` if silence is not monitored.
     is_stale: Option<bool>,
     received_at: Option<Time>,
+    /// Per list of commands with a known length, in the order of the settings.
+    lengths: Vec<LearntLength>,
+    /// Number of commands that were refused without a caller who waits, or after they had been sent.
+    refused: u64,
+    /// Reasons of these that have been reported.
+    reported: Vec<String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -33,7 +40,6 @@ struct FrozenProxy {
 struct FrozenMotion {
     goal: Option<Vec<f64>>,
     near_since: Option<Time>,
-    count: Option<usize>,
 }
 
 impl FrozenMotion {
@@ -41,7 +47,6 @@ impl FrozenMotion {
         Self {
             goal: motion.goal.clone(),
             near_since: motion.near_since,
-            count: motion.count,
         }
     }
 }
@@ -56,6 +61,9 @@ impl PortProxy {
             motion: self.motion.as_ref().map(FrozenMotion::of),
             is_stale: self.events.as_ref().map(|events| events.is_stale),
             received_at: self.received_at,
+            lengths: self.lengths.learnt(),
+            refused: self.refused.count,
+            reported: self.refused.reported.clone(),
         };
         FrozenState::of(COMPONENT, VERSION, &frozen)
     }
@@ -66,7 +74,8 @@ impl PortProxy {
         let fits = frozen.operations.len() == self.operations.len()
             && frozen.motion.is_some() == self.motion.is_some()
             && frozen.is_stale.is_some() == self.events.is_some();
-        if !fits {
+        // last, since it restores the lengths if they fit
+        if !fits || !self.lengths.restore(&frozen.lengths) {
             let what = "it is the state of a proxy with a different map".to_owned();
             return Err(ThawError {
                 component: COMPONENT.to_owned(),
@@ -80,12 +89,13 @@ impl PortProxy {
         if let (Some(motion), Some(frozen)) = (&mut self.motion, frozen.motion) {
             motion.goal = frozen.goal;
             motion.near_since = frozen.near_since;
-            motion.count = frozen.count;
         }
         if let (Some(events), Some(is_stale)) = (&mut self.events, frozen.is_stale) {
             events.is_stale = is_stale;
         }
         self.received_at = frozen.received_at;
+        self.refused.count = frozen.refused;
+        self.refused.reported = frozen.reported;
         Ok(())
     }
 }

@@ -17,6 +17,8 @@ pub struct ProxySettings {
     pub outputs: Vec<ProxyPort>,
     /// The operations that the proxy provides.
     pub operations: Vec<Mapped>,
+    /// Lists of commands, and the lists of the target's state that have as many elements.
+    pub lengths: Vec<ListLength>,
     /// The events that it sends, and their receiver; `None` for no events.
     pub notify: Option<ProxyNotification>,
 }
@@ -28,6 +30,17 @@ pub struct ProxyPort {
     pub name: String,
     /// Schema of its messages, as declared by the target.
     pub message: Schema,
+}
+
+/// A list of a command that must have as many elements as a list of the target's state.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ListLength {
+    /// Port and path of the list in commands.
+    pub commanded: (String, String),
+    /// Port and path of the list in the target's state.
+    pub measured: (String, String),
+    /// Number of elements, if the type of the state declares it; otherwise it is learnt from samples.
+    pub declared: Option<usize>,
 }
 
 /// An operation that is mapped to a port.

@@ -19,7 +19,9 @@ use super::scene::CheckedComposite;
 use crate::at::At;
 use crate::finding::Findings;
 use crate::map;
-use crate::model::{Component, Condition, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode};
+use crate::model::{
+    Component, Condition, ListLength, MapEntry, MessagePath, Notify, ProxyEntry, ProxyMode,
+};
 use crate::nearest::nearest;
 
 /// Checks a port-proxy and adds ports mirroring those of its target: an input of the target is an output of the proxy.
@@ -43,6 +45,15 @@ pub(super) fn check(
             motion(entry, component.special.notify.as_ref(), report);
         }
     }
+    for length in &component.special.lengths {
+        if is_unknown {
+            continue;
+        }
+        if let Some(on) = length.on.as_ref().and_then(|on| on.steps.first()) {
+            mirror_state(scene, target, on, &mut face, report);
+        }
+        list_length(scene, length, &face, report);
+    }
     if let Some(told) = &component.special.notify {
         if !is_unknown {
             notify(scene, told, &face, report);
@@ -51,6 +62,10 @@ pub(super) fn check(
     }
     Some(face)
 }
+
+/// The way out of an invalid condition.
+const CONDITION_HELP: &str =
+    "write `port.new`, `port.flag`, or `port.field != 0` with `==`, `!=`, `<`, `<=`, `>` or `>=`";
 
 fn mirror(
     scene: &CheckedComposite<'_>,
@@ -117,6 +132,56 @@ fn mirror(
     match way {
         PortDirection::In => face.outputs.push(mirrored),
         PortDirection::Out => face.inputs.push(mirrored),
+    }
+}
+
+/// Adds an input for an output of the target that only `lengths` names. An unknown port is reported with its field.
+fn mirror_state(
+    scene: &CheckedComposite<'_>,
+    target: &At<String>,
+    port: &At<String>,
+    face: &mut Endpoints,
+    report: &mut Report,
+) {
+    let is_known = |face: &Endpoints| {
+        face.port(port, PortDirection::In)
+            .is_some_and(|(found, _)| found == PortDirection::In)
+    };
+    if is_known(face) {
+        return;
+    }
+    let Some(part) = scene.part(target, report) else {
+        return;
+    };
+    if let Some((PortDirection::Out, found)) = part.face.port(port, PortDirection::Out) {
+        face.inputs.push(EndpointPort {
+            name: NamedAt::new(&port.value, Some(port.span)),
+            kind: found.kind.clone(),
+            topic: None,
+            listed: true,
+        });
+    }
+}
+
+/// Checks that both sides of an entry of `lengths` are lists.
+fn list_length(
+    scene: &CheckedComposite<'_>,
+    length: &ListLength,
+    face: &Endpoints,
+    report: &mut Report,
+) {
+    for path in [Some(&length.of), length.on.as_ref()].into_iter().flatten() {
+        if let Some((schema, declared)) = field(scene, path, face, report)
+            && !matches!(schema.shape, Shape::List(_) | Shape::Array(..) | Shape::Any)
+        {
+            report.found(InvalidCondition {
+                reason: format!("`{path}` is not a list"),
+                found: format!("has type `{schema}`"),
+                help: "name a list of a command with `of`, and a list of the target's state with `on`",
+                at: path.span,
+                declared,
+            });
+        }
     }
 }
 
@@ -267,6 +332,7 @@ fn asked(scene: &CheckedComposite<'_>, told: &Condition, face: &Endpoints, repor
             report.found(InvalidCondition {
                 reason: error.to_string(),
                 found: "cannot be parsed".to_owned(),
+                help: CONDITION_HELP,
                 at: told.text.span,
                 declared: None,
             });
@@ -298,6 +364,7 @@ fn condition(
     report.found(InvalidCondition {
         reason,
         found: format!("has type `{schema}`"),
+        help: CONDITION_HELP,
         at,
         declared,
     });

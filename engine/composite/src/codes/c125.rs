@@ -2,7 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Invalid condition on a message
 ///
-/// The conditions of `refresh`, `fault` and `idle` must refer to fields that the message has.
+/// The conditions of `refresh`, `fault` and `idle`, and the lists of `lengths`, must refer to fields that the message has, of a
+/// suitable type.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -71,6 +72,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 pub(crate) struct InvalidCondition {
     pub reason: String,
     pub found: String,
+    /// The way out.
+    pub help: &'static str,
     pub at: Span,
     pub declared: Option<Span>,
 }
@@ -78,11 +81,12 @@ pub(crate) struct InvalidCondition {
 impl Finding for InvalidCondition {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self {
-            found, declared, ..
+            found,
+            help,
+            declared,
+            ..
         } = self;
-        let diagnostic = diagnostic.label(self.at, found).help(
-            "write `port.new`, `port.flag`, or `port.field != 0` with `==`, `!=`, `<`, `<=`, `>` or `>=`",
-        );
+        let diagnostic = diagnostic.label(self.at, found).help(*help);
         match declared {
             Some(declared) => diagnostic.label(*declared, "described here"),
             None => diagnostic,

@@ -102,6 +102,10 @@ pub struct SpecialKeys {
     /// `port-proxy`: conditions of the events it sends.
     #[key(example = "{ reference = \"notifying\", stale_ms = 1000 }")]
     pub notify: Option<Notify>,
+    /// `port-proxy`: lists of commands that must have as many elements as a list of the target's state. Lists of
+    /// floating-point numbers with the same path in both are found.
+    #[key(example = "[{ of = \"commands.position\", on = \"jointStatus.position\" }]")]
+    pub lengths: Vec<ListLength>,
     /// `web-monitor`: charts of the dashboard.
     #[key(example = "[{ title = \"Speed\", series = [\"velocity\"] }]")]
     pub plots: Vec<Plot>,
@@ -283,6 +287,17 @@ pub struct MessagePath {
     pub span: Span,
 }
 
+impl MessagePath {
+    /// The path with this text, as if it were written at this place.
+    pub(crate) fn at(text: &str, span: Span) -> Self {
+        let steps = text.split('.');
+        Self {
+            steps: steps.map(|step| At::new(step.to_owned(), span)).collect(),
+            span,
+        }
+    }
+}
+
 impl std::fmt::Display for MessagePath {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let steps: Vec<&str> = self.steps.iter().map(|step| step.value.as_str()).collect();
@@ -358,6 +373,25 @@ pub struct Idle {
     /// Minimum time within the tolerance.
     #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
     pub for_ms: Option<At<u64>>,
+}
+
+/// A list of a command whose number of elements the target determines, for example one for each joint. A command with another
+/// number is refused.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "an entry of `lengths`",
+    example = "{ of = \"commands.position\", on = \"jointStatus.position\" }",
+    resolved = PlannedListLength
+)]
+pub struct ListLength {
+    /// Source location of the entry.
+    pub span: Span,
+    /// List of a command: `port.field`.
+    #[key(example = "\"commands.position\"")]
+    pub of: MessagePath,
+    /// List of the target's state with as many elements: `port.field`. Without it, a command can have any number of elements.
+    #[key(example = "\"jointStatus.position\"")]
+    pub on: Option<MessagePath>,
 }
 
 /// A chart of a web-monitor.

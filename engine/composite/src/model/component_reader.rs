@@ -53,7 +53,7 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
         builtin == Some(BuiltinComponent::RosBridge),
         builtin == Some(BuiltinComponent::PortProxy),
     );
-    let rules: [(&'static str, bool, &'static str); 13] = [
+    let rules: [(&'static str, bool, &'static str); 14] = [
         ("bind", asm, "only functions of an ASM can be bound"),
         ("verify", asm, "only an ASM can be verified"),
         (
@@ -62,6 +62,11 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
             "only the built-ins `ros-bridge` and `port-proxy` have a map",
         ),
         ("notify", proxy, "only the built-in `port-proxy` can notify"),
+        (
+            "lengths",
+            proxy,
+            "only the built-in `port-proxy` checks lengths",
+        ),
         (
             "plots",
             builtin == Some(BuiltinComponent::WebMonitor),

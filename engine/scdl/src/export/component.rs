@@ -162,7 +162,7 @@ impl Exporter<'_> {
         let topics = first(&component.subscribe).or_else(|| first(&component.publish));
         let monitored = component.bind.monitored.first().map(|it| it.location.span);
         let out = component.bind.out.first().map(|it| it.location.span);
-        let rows: [(&str, Option<Span>); 9] = [
+        let rows: [(&str, Option<Span>); 10] = [
             ("the scheduling", scheduled.map(|pace| pace.span)),
             (
                 "the life cycle",
@@ -179,6 +179,10 @@ impl Exporter<'_> {
             (
                 "the map",
                 (!component.special.map.is_empty()).then_some(name.span),
+            ),
+            (
+                "the lengths of lists",
+                component.special.lengths.first().map(|it| it.span),
             ),
             (
                 "the charts",

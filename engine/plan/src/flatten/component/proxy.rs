@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use asmotion_bridge::{Conversion, Mapped, ProxyPort, ReplyMode};
 use asmotion_component::declaration::OperationDeclaration;
-use asmotion_datum::Schema;
+use asmotion_datum::{Schema, Shape};
 
 use super::PartSource;
 use asmotion_composite::check::endpoints::{EndpointPort, find};
@@ -31,6 +31,7 @@ pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::Proxy
                 MapEntry::Ros(_) => None,
             })
             .collect(),
+        lengths: lengths(source, &component.special),
         notify: component
             .special
             .notify
@@ -114,12 +115,59 @@ fn listener(
     })
 }
 
-fn idle(idle: &model::Idle) -> Option<asmotion_bridge::IdleCriterion> {
-    let split = |path: &model::MessagePath| {
-        let text = path.to_string();
-        let (port, field) = text.split_once('.').unwrap_or((&text, ""));
-        (port.to_owned(), field.to_owned())
+/// Returns the lists that must be equally long: those of `lengths`, and the commanded and measured values of `idle`.
+fn lengths(
+    source: &PartSource<'_>,
+    special: &model::SpecialKeys,
+) -> Vec<asmotion_bridge::ListLength> {
+    let listed = special.lengths.iter();
+    let listed = listed.filter_map(|it| Some((&it.of, it.on.as_ref()?)));
+    let idle = special.notify.as_ref().and_then(|it| it.idle.as_ref());
+    let is_listed = |of: &model::MessagePath| {
+        let of = of.to_string();
+        special.lengths.iter().any(|it| it.of.to_string() == of)
     };
+    let of_idle = idle
+        .filter(|idle| !is_listed(&idle.of))
+        .map(|idle| (&idle.of, &idle.on));
+    let lists = listed.chain(of_idle).map(|(of, on)| {
+        let measured = split(on);
+        asmotion_bridge::ListLength {
+            commanded: split(of),
+            declared: declared_length(source, &measured),
+            measured,
+        }
+    });
+    lists.collect()
+}
+
+/// Returns the number of elements of a list in a message of an input, if its type is an array.
+fn declared_length(source: &PartSource<'_>, (port, path): &(String, String)) -> Option<usize> {
+    let mut inputs = source.face.inputs.iter();
+    let port = inputs.find(|input| input.name.text == *port)?;
+    let message = schema(source, &port.kind.as_ref()?.text);
+    let list = path.split('.').try_fold(&message, |schema, step| {
+        let Shape::Record(fields) = &schema.shape else {
+            return None;
+        };
+        let field = fields.iter().find(|field| field.name == step)?;
+        Some(&field.schema)
+    })?;
+    if let Shape::Array(_, count) = list.shape {
+        Some(count)
+    } else {
+        None
+    }
+}
+
+/// Returns the port and the path within its messages.
+fn split(path: &model::MessagePath) -> (String, String) {
+    let text = path.to_string();
+    let (port, field) = text.split_once('.').unwrap_or((&text, ""));
+    (port.to_owned(), field.to_owned())
+}
+
+fn idle(idle: &model::Idle) -> Option<asmotion_bridge::IdleCriterion> {
     Some(asmotion_bridge::IdleCriterion {
         within: idle.within.value,
         commanded: split(&idle.of),

@@ -1,0 +1,14 @@
+//! The period that others set: through a port, or with an operation.
+
+use std::time::Duration;
+
+use asmotion_component::Cycle;
+
+/// Sets the period (s) from the next cycle on. Returns whether it is between 0.001 s and 10 s.
+pub(crate) fn follow(period: f64, cycle: &mut Cycle<'_>) -> bool {
+    let is_valid = (0.001..=10.0).contains(&period);
+    if is_valid {
+        cycle.set_period(Duration::from_secs_f64(period));
+    }
+    is_valid
+}
