@@ -115,8 +115,9 @@ impl Registrar {
             let name = XmlRpcValue::text(self.context.name.as_str());
             match self.context.master("lookupNode", &[name]).await {
                 Ok(uri) if uri.as_text() == Some(&self.context.own_uri()) => {}
-                // forgotten, or taken for another node of this name
-                Ok(_) | Err(MasterAnswer::Refused(_)) => self.known.clear(),
+                // to register again would end that node
+                Ok(_) => return Err("another node has taken the name".to_owned()),
+                Err(MasterAnswer::Refused(_)) => self.known.clear(),
                 Err(MasterAnswer::None(reason)) => return Err(reason),
             }
         }
