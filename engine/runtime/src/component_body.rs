@@ -16,7 +16,9 @@ use crate::descriptor::ComponentStatus;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
 use crate::later_cycle::LaterCycle;
-use crate::service::{Admission, OutgoingCalls, ProvidedService, RequiredReference};
+use crate::service::{
+    Admission, OutgoingCalls, ProvidedService, RequiredReference, UnheardRefusal,
+};
 
 /// The state that the runtime keeps for a component, apart from the component itself.
 pub(crate) struct ComponentBody {
@@ -166,8 +168,13 @@ impl ComponentBody {
                     to,
                     result,
                 } => {
-                    if let Some(service) = self.services.get_mut(service) {
-                        service.answer(to, result, effects);
+                    let service = self.services.get_mut(service);
+                    let unheard = service.and_then(|it| it.answer(to, result, effects));
+                    if let Some(refusal) = unheard {
+                        self.refused += 1;
+                        if refusal.is_new {
+                            report_unheard(&refusal, effects);
+                        }
                     }
                 }
                 CycleAction::Report(kind, what) => effects.emit(&Event::Report {
@@ -410,6 +417,19 @@ impl PropertyHost for CycleBody<'_> {
     fn property(&self, index: usize) -> Option<&dyn AnyProperty> {
         PropertyHost::property(self.body, index)
     }
+}
+
+/// Reports the refusal of a request whose caller does not wait for a reply.
+fn report_unheard(refusal: &UnheardRefusal, effects: &mut ComponentEffects<'_>) {
+    let UnheardRefusal {
+        operation, fault, ..
+    } = refusal;
+    let text = format!("a one-way call of `{operation}` is refused: {fault}");
+    effects.emit(&Event::Report {
+        component: effects.name,
+        kind: NOTICE_REPORT,
+        data: &Datum::text(text),
+    });
 }
 
 /// Reports why an input port, or its component, refused a sample.

@@ -10,5 +10,5 @@ pub use message::{
     CallKey, ComponentReply, ProviderMessage, RemoteCaller, ReplyTo, ServiceRequest,
 };
 pub use provider::RequestQueue;
-pub(crate) use provider::{Admission, FrozenService, ProvidedService, ThawContext};
+pub(crate) use provider::{Admission, FrozenService, ProvidedService, ThawContext, UnheardRefusal};
 pub(crate) use reference::{RequiredReference, Wiring};

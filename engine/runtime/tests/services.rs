@@ -442,6 +442,52 @@ fn c7_a_one_way_call_returns_at_once_and_a_lost_one_is_counted() {
     );
 }
 
+#[test]
+fn c7_a_refused_one_way_call_is_counted_and_its_cause_reported_once() {
+    let log = Log::new();
+    let mut system = System::new();
+    system.observe(log.clone());
+    let asking = behaviour(|interface| {
+        let double = interface.require::<Double>("sums", "asks");
+        let mut n = 0;
+        move |cycle| {
+            n += 1;
+            cycle.call_one_way(double, number(n));
+            Ok(())
+        }
+    });
+    let refusing = behaviour(|interface| {
+        let double = interface.serve::<Double>("sums", "refuses");
+        move |cycle| {
+            for request in cycle.requests(double) {
+                let result = match request.argument.n {
+                    1 | 2 => Err(ServiceFault::new("SMALL", "less than three")),
+                    3 => Err(ServiceFault::new("ODD", "three")),
+                    n => Ok(number(2 * n)),
+                };
+                cycle.reply(double, request.id, result);
+            }
+            Ok(())
+        }
+    });
+    let activity = Activity::periodic(10.ms());
+    system.add("Caller", activity, asking).unwrap();
+    system.add("Provider", Activity::event(), refusing).unwrap();
+    system
+        .wire("Caller.sums", "Provider.sums", Wire::default())
+        .unwrap();
+    let mut run = system.simulate();
+    run.run_for(50.ms());
+    assert_eq!(
+        log.lines_with("notice"),
+        [
+            r#"0 s Provider: notice: "a one-way call of `sums.double` is refused: SMALL: less than three""#,
+            r#"0.02 s Provider: notice: "a one-way call of `sums.double` is refused: ODD: three""#,
+        ]
+    );
+    assert_eq!(run.losses("Provider").misfits, 3);
+}
+
 /// Makes one one-way call of `double`.
 fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {

@@ -166,8 +166,24 @@ pub(crate) struct ProvidedService {
     open: Vec<OpenRequest>,
     /// Taken requests whose cancellation became visible in the current cycle.
     cancelled: Vec<RequestId>,
+    /// Requests without a caller who waits for a reply, taken in the current cycle, and their operations.
+    one_way: Vec<(RequestId, usize)>,
+    /// Operations and causes of refused one-way requests that have been reported.
+    reported: Vec<(usize, String)>,
     next_id: u64,
 }
+
+/// A refusal that no caller receives, because the request was one-way.
+pub(crate) struct UnheardRefusal {
+    /// `service.operation`.
+    pub operation: String,
+    pub fault: ServiceFault,
+    /// Whether it is to be reported: each cause is reported once, and only the first few of a service.
+    pub is_new: bool,
+}
+
+/// Causes of refusals of one-way requests that a service reports; further ones are counted only.
+const MAX_CAUSES: usize = 8;
 
 /// A request that the component has taken.
 struct OpenRequest {
@@ -187,6 +203,8 @@ impl ProvidedService {
             waiting: Vec::new(),
             open: Vec::new(),
             cancelled: Vec::new(),
+            one_way: Vec::new(),
+            reported: Vec::new(),
             next_id: 0,
         }
     }
@@ -195,6 +213,7 @@ impl ProvidedService {
     /// component took them.
     pub(crate) fn freeze(&mut self, now: Time) {
         self.cancelled.clear();
+        self.one_way.clear();
         for _ in 0..self.queue.queue.len() {
             match self.queue.queue.pop() {
                 None => break,
@@ -235,16 +254,20 @@ impl ProvidedService {
             .waiting
             .extract_if(.., |(_, ask)| ask.operation == operation)
             .collect();
-        self.open.extend(taken.iter_mut().filter_map(|(id, ask)| {
-            Some(OpenRequest {
+        for (id, ask) in &mut taken {
+            let Some(reply_to) = ask.reply_to.take() else {
+                self.one_way.push((*id, ask.operation));
+                continue;
+            };
+            self.open.push(OpenRequest {
                 id: *id,
                 key: ask.key,
                 operation: ask.operation,
                 caller: Arc::clone(&ask.caller),
                 deadline: ask.deadline,
-                reply_to: ask.reply_to.take()?,
-            })
-        }));
+                reply_to,
+            });
+        }
         taken
     }
 
@@ -253,18 +276,33 @@ impl ProvidedService {
         &self.cancelled
     }
 
-    /// Sends a reply, or drops it if the caller no longer waits.
+    /// Sends a reply, or drops it if the caller no longer waits. Returns the refusal of a one-way request that was taken in this
+    /// cycle.
     pub(crate) fn answer(
         &mut self,
         to: RequestId,
         result: Result<Arc<dyn Sample>, ServiceFault>,
         effects: &mut ComponentEffects<'_>,
-    ) {
-        let Some(index) = self.open.iter().position(|open| open.id == to) else {
-            return;
-        };
-        let open = self.open.remove(index);
-        self.send(open, result.map_err(CallError::Fault), effects);
+    ) -> Option<UnheardRefusal> {
+        if let Some(index) = self.open.iter().position(|open| open.id == to) {
+            let open = self.open.remove(index);
+            self.send(open, result.map_err(CallError::Fault), effects);
+            return None;
+        }
+        let fault = result.err()?;
+        let (_, operation) = *self.one_way.iter().find(|(id, _)| *id == to)?;
+        let cause = (operation, fault.to_string());
+        let is_new = self.reported.len() < MAX_CAUSES && !self.reported.contains(&cause);
+        if is_new {
+            self.reported.push(cause);
+        }
+        let named = self.declaration.operations.get(operation);
+        let named = named.map_or("", |operation| &operation.name);
+        Some(UnheardRefusal {
+            operation: format!("{}.{named}", self.declaration.name),
+            fault,
+            is_new,
+        })
     }
 
     fn send(

@@ -31,6 +31,8 @@ pub(crate) struct FrozenService {
     waiting: Vec<(RequestId, FrozenRequest)>,
     open: Vec<FrozenOpen>,
     cancelled: Vec<RequestId>,
+    /// Operations and causes of refused one-way requests that have been reported.
+    reported: Vec<(usize, String)>,
     next: u64,
 }
 
@@ -171,6 +173,7 @@ impl ProvidedService {
             waiting: waiting.collect::<Result<_, SystemFreezeError>>()?,
             open: open.collect::<Result<_, SystemFreezeError>>()?,
             cancelled: self.cancelled.clone(),
+            reported: self.reported.clone(),
             next: self.next_id,
         })
     }
@@ -196,6 +199,8 @@ impl ProvidedService {
         });
         self.open = open.collect::<Result<_, SystemThawError>>()?;
         self.cancelled.clone_from(&service.cancelled);
+        self.reported.clone_from(&service.reported);
+        self.one_way.clear();
         self.next_id = service.next;
         while self.queue.queue.pop().is_some() {}
         for message in &service.queue {
