@@ -9,7 +9,9 @@ use asmotion_plan::{Component, Implementation, Plan};
 use asmotion_verification::{
     ComponentModel, ModelContext, ModelError, ModelledEnvironment, component_model,
 };
-use asmotion_verify::{Limits, Note, Options, PropertyKind, Run, Verdict, Verification, verify};
+use asmotion_verify::{
+    Limits, Note, Options, PropertyKind, Run, Verdict, Verification, state_constraints, verify,
+};
 use std::time::{Duration, Instant};
 
 /// Returns the specification of a component together with its environment.
@@ -239,7 +241,8 @@ pub fn before_start(
         PropertyKind::Invariant => selects_all || keys.invariants,
         PropertyKind::Ctl => selects_all || keys.ctl,
         PropertyKind::Ltl => selects_all || keys.ltl,
-        PropertyKind::NoFault => true,
+        // all others are only true under it
+        PropertyKind::Constraint | PropertyKind::NoFault => true,
         PropertyKind::Possible | PropertyKind::NotStuck | PropertyKind::RulesRun => false,
     };
     let logic = |logic: PropertyLogic| match logic {
@@ -250,6 +253,7 @@ pub fn before_start(
     let stated = &mut specification.model;
     stated.properties.retain(|it| logic(it.logic));
     let options = Options {
+        checked_constraints: constraints_on_state(component, loader),
         limits: Limits {
             states: keys.states,
             depth: keys.bound.and_then(|bound| u32::try_from(bound).ok()),
@@ -288,6 +292,19 @@ pub fn before_start(
     StartVerification {
         findings: findings.collect(),
     }
+}
+
+/// The constraints of the specification of a component that are about its state alone.
+fn constraints_on_state(component: &Component, loader: &dyn Loader) -> Vec<String> {
+    let Implementation::Asm { file, .. } = &component.implementation else {
+        return Vec::new();
+    };
+    // in the model of the composite, inputs are functions that the environment updates
+    let opened = asmotion_lang::open(file, loader);
+    opened.map_or_else(
+        |_| Vec::new(),
+        |it| state_constraints(&it.model, &it.sources),
+    )
 }
 
 /// Memory for a verification before the start, in bytes.

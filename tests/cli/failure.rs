@@ -40,6 +40,20 @@ default init s0:
   function n = 0
 ";
 
+/// Its property holds only as long as a constraint does, which the first step leaves.
+const CONSTRAINED: &str = "asm constrained
+import StandardLibrary
+import CTLLibrary
+signature:
+  controlled n: Integer
+definitions:
+  INVAR n = 0
+  CTLSPEC ag(n = 0)
+  main rule r_Main = n := n + 1
+default init s0:
+  function n = 0
+";
+
 const HEAD: &str = "schema = \"composite/1\"\n[composite]\nname = \"test\"\n";
 
 fn component(name: &str, rest: &str) -> String {
@@ -54,6 +68,7 @@ fn run_composite(components: &[String], arguments: &[&str]) -> (i32, String, Str
         ("counts", COUNTS),
         ("fails", FAILS),
         ("promises", PROMISES),
+        ("constrained", CONSTRAINED),
         ("expects", EXPECTS),
     ] {
         write(&format!("{name}.asm"), text);
@@ -166,6 +181,18 @@ fn properties_that_are_not_verified_are_said_before_the_start() {
         guarded("verify = { invariants = true, refuse_start_on_failure = true, bound = 1 }");
     assert_eq!(code, 1, "{out}{err}");
     assert!(err.contains("does not start"), "{err}");
+}
+
+#[test]
+fn a_constraint_that_the_specification_leaves_makes_nothing_true_of_a_run() {
+    let rest = "implementation = { asm = \"constrained.asm\" }
+verify = { ctl = true, bound = 5, refuse_start_on_failure = true }";
+    let (code, out, err) = run_composite(&[component("Guard", rest)], &UNTIL);
+    assert_eq!(code, 1, "{out}{err}");
+    assert!(
+        err.contains("does not start") && err.contains("`n = 0` of `Guard` is violated"),
+        "{out}{err}"
+    );
 }
 
 /// Expects a pair where the driver sends lists.

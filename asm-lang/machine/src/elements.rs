@@ -1,6 +1,6 @@
 //! The elements of shapes of values.
 
-use crate::Machine;
+use crate::machine::Machine;
 use asmotion_ir::{DomainElements, ValueShape};
 use asmotion_value::Value;
 

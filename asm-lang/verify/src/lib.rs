@@ -86,6 +86,7 @@ pub use guards::RunGuard;
 pub use mail::{ContentValues, MessageModel};
 pub use mutation::{Mutant, mutants};
 pub use options::{Engine, FairName, InputValues, Options, Storage};
+pub use preparation::state_constraints;
 pub use property::{CheckedProperty, Note, PropertyKind, Verdict};
 pub use regions::{Representative, RepresentedInput};
 pub use reuse::KeptExploration;

@@ -24,14 +24,14 @@ pub(crate) const OBSERVER: &str = "(observer)";
 
 /// The observer of a system, if terms need one.
 #[derive(Debug, Default)]
-pub(crate) struct Observer {
+pub(crate) struct ObserverMachine {
     /// Index of the machine.
     pub machine: Option<usize>,
     /// The terms about several machines, with their texts in the observer's specification.
     pub terms: BTreeMap<String, String>,
 }
 
-impl Observer {
+impl ObserverMachine {
     /// Adds an observer to a system if a term of the options is about several machines.
     ///
     /// # Errors

@@ -65,6 +65,9 @@ pub struct Options {
     pub only: Vec<String>,
     /// Conditions without which a state, together with its inputs, is not considered.
     pub assumptions: Vec<String>,
+    /// Texts of constraints (`INVAR`) that are checked like invariants instead of being assumed: see
+    /// [`state_constraints`](crate::state_constraints).
+    pub checked_constraints: Vec<String>,
     /// Condition of the states in which nothing needs to change any more, besides those that `//@Final` names.
     pub ends: Option<String>,
     /// Rules and domains of agents to which fairness is due, besides those that `//@Fair` and `//@StronglyFair` name.

@@ -5,7 +5,7 @@ use crate::explore::Conditions;
 use crate::final_states;
 use crate::formula::{Formula, Formulas, Logic};
 use crate::logic::FairnessFormula;
-use crate::observer::Observer;
+use crate::observer::ObserverMachine;
 use crate::options::Options;
 use crate::property::PropertyKind;
 use crate::qualifier::{qualifiers, unqualified};
@@ -13,7 +13,9 @@ use crate::reads::Reads;
 use crate::system::{InputSources, VerifiedMachine};
 use crate::transition::ConditionTerm;
 use asmotion_diagnostics::{Finding, Sources, Span};
-use asmotion_lang::hir::{Expression, FunctionId, Invariant, PropertyLogic, TemporalProperty};
+use asmotion_lang::hir::{
+    Expression, FunctionId, Invariant, Model, PropertyLogic, TemporalProperty,
+};
 use asmotion_lang::{Diagnostic, Report, Specification};
 use std::collections::BTreeSet;
 
@@ -33,6 +35,8 @@ pub(crate) struct Property {
 /// Everything that the properties of a specification consist of.
 #[derive(Default)]
 pub(crate) struct Prepared {
+    /// See [`Options::checked_constraints`].
+    checked_constraints: Vec<String>,
     pub properties: Vec<Property>,
     pub fairness: Vec<FairnessFormula>,
     /// `true` if only some paths are considered.
@@ -53,7 +57,7 @@ pub(crate) fn prepare(
     machines: &mut [VerifiedMachine],
     options: &Options,
     sources: &InputSources,
-    observer: &Observer,
+    observer: &ObserverMachine,
 ) -> Result<Prepared, (usize, Report)> {
     let mut declared = Vec::new();
     for machine in machines.iter_mut() {
@@ -65,7 +69,10 @@ pub(crate) fn prepare(
         machine.specification.lower().map_err(|it| (index, it))?;
     }
     let mut given = given(machines, options, observer)?;
-    let mut prepared = Prepared::default();
+    let mut prepared = Prepared {
+        checked_constraints: options.checked_constraints.clone(),
+        ..Prepared::default()
+    };
     for (index, (invariants, properties)) in declared.into_iter().enumerate() {
         let Some(machine) = machines.get_mut(index) else {
             continue;
@@ -159,6 +166,21 @@ fn text_of(sources: &Sources, place: Span) -> String {
     words.join(" ")
 }
 
+/// Returns the texts of the constraints (`INVAR`) of a specification that read functions updated by rules and no inputs. A run
+/// does not keep to them, so a property that holds under them alone says nothing about it.
+pub fn state_constraints(model: &Model, sources: &Sources) -> Vec<String> {
+    let constraints = model.properties.iter();
+    let constraints = constraints.filter(|it| it.logic == PropertyLogic::Constraint);
+    let terms = constraints.flat_map(|constraint| &constraint.formulas);
+    let of_state = terms.filter(|term| {
+        let reads = Reads::of(model, &term.root, &BTreeSet::new());
+        reads.state && !reads.inputs
+    });
+    of_state
+        .map(|term| text_of(sources, term.root.span))
+        .collect()
+}
+
 /// The use of a term from outside.
 #[derive(Clone, Copy)]
 enum GivenUse {
@@ -182,7 +204,7 @@ struct GivenTerm {
 fn given(
     machines: &mut [VerifiedMachine],
     options: &Options,
-    observer: &Observer,
+    observer: &ObserverMachine,
 ) -> Result<Vec<GivenTerm>, (usize, Report)> {
     let with = |usage: GivenUse, texts: &[String]| -> Vec<(GivenUse, String)> {
         texts.iter().map(|text| (usage, text.clone())).collect()
@@ -215,7 +237,7 @@ fn given(
 fn resolve(
     machines: &mut [VerifiedMachine],
     names: &[String],
-    observer: &Observer,
+    observer: &ObserverMachine,
     usage: GivenUse,
     text: String,
 ) -> Result<GivenTerm, (usize, Report)> {
@@ -310,6 +332,26 @@ impl Preparation<'_> {
         });
     }
 
+    /// A constraint is an assumption, unless it is to be checked.
+    fn constraint(&mut self, term: &Expression) {
+        let text = self.text(term.root.span);
+        if !self.prepared.checked_constraints.contains(&text) {
+            let formula = self.plain(term);
+            return self.assume(formula, text);
+        }
+        let antecedents = self.formulas.antecedents(&term.root);
+        let formula = self.plain(term);
+        self.prepared.properties.push(Property {
+            kind: PropertyKind::Constraint,
+            machine: self.index,
+            name: None,
+            text,
+            place: Some(term.root.span),
+            formula,
+            antecedents,
+        });
+    }
+
     fn assume(&mut self, formula: Formula, text: String) {
         self.prepared.assumptions.push(text);
         match formula {
@@ -339,9 +381,7 @@ impl Preparation<'_> {
             (PropertyLogic::Ctl, [_]) => PropertyKind::Ctl,
             (PropertyLogic::Ltl, [_]) => PropertyKind::Ltl,
             (PropertyLogic::Constraint, [term]) => {
-                let formula = self.plain(term);
-                let text = self.text(term.root.span);
-                return self.assume(formula, text);
+                return self.constraint(term);
             }
             (PropertyLogic::Justice, [term]) => {
                 let formula = self.plain(term);
@@ -409,6 +449,7 @@ impl Preparation<'_> {
             PropertyKind::Ltl => self.formula(term, Logic::Ltl),
             PropertyKind::Ctl => self.formula(term, Logic::Ctl),
             PropertyKind::Invariant
+            | PropertyKind::Constraint
             | PropertyKind::Possible
             | PropertyKind::NoFault
             | PropertyKind::NotStuck

@@ -41,6 +41,9 @@ impl CheckedProperty {
 pub enum PropertyKind {
     /// `invariant`: holds in every state.
     Invariant,
+    /// `INVAR` that is checked like an invariant: see
+    /// [`Options::checked_constraints`](crate::Options::checked_constraints).
+    Constraint,
     /// `CTLSPEC`
     Ctl,
     /// `LTLSPEC`

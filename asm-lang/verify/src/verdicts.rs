@@ -53,7 +53,10 @@ impl Prepared {
 
     /// Returns the condition that all nodes must have, or some node; `None` if the property is about paths.
     pub fn of_nodes<'a>(&self, property: &'a Property) -> Option<(NodeProperty, &'a Formula)> {
-        if property.kind == PropertyKind::Invariant {
+        if matches!(
+            property.kind,
+            PropertyKind::Invariant | PropertyKind::Constraint
+        ) {
             return Some((NodeProperty::All, &property.formula));
         }
         if property.kind == PropertyKind::Possible {

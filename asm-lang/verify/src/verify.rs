@@ -18,7 +18,7 @@ use crate::inputs::InputRanges;
 use crate::logic::visit_conditions;
 use crate::machines::MachineSystem;
 use crate::mail::MessagePlan;
-use crate::observer::Observer;
+use crate::observer::ObserverMachine;
 #[cfg(feature = "symbolic")]
 use crate::options::Engine;
 use crate::options::{InputValues, Options, Storage};
@@ -227,7 +227,7 @@ impl PreparedSystem {
                 system.machines.push(machine);
             }
         }
-        let observer = Observer::of(system, options)?;
+        let observer = ObserverMachine::of(system, options)?;
         plan.observer = observer.machine;
         system.connect_by_name()?;
         if let Some(environment) = plan.environment {

@@ -141,7 +141,7 @@ fn replays(text: &str, property: &CheckedProperty) -> bool {
     };
     let steps = run.steps.len();
     match property.kind {
-        PropertyKind::Invariant => {
+        PropertyKind::Invariant | PropertyKind::Constraint => {
             let (_, fault) = simulated(text, run);
             let fault = fault.unwrap_or_else(|| panic!("{text}"));
             let is_it = matches!(fault.kind, asmotion_lang::FaultKind::Invariant { .. });

@@ -8,7 +8,10 @@ const NAVIGATION: &str = "specs/navigation/navigation.composite.toml";
 /// Texts of the stated properties with a verdict.
 fn stated(verification: &Verification, is: fn(&Verdict) -> bool) -> Vec<&str> {
     let stated = verification.properties.iter().filter(|it| match it.kind {
-        PropertyKind::Invariant | PropertyKind::Ctl | PropertyKind::Ltl => is(&it.verdict),
+        PropertyKind::Invariant
+        | PropertyKind::Constraint
+        | PropertyKind::Ctl
+        | PropertyKind::Ltl => is(&it.verdict),
         PropertyKind::NoFault => is(&it.verdict),
         PropertyKind::Possible | PropertyKind::NotStuck | PropertyKind::RulesRun => false,
     });

@@ -91,9 +91,10 @@ impl Component for TestFollower {
         self.cycles += 1;
         if let Flow::NewData(path) = cycle.read(self.ports.path) {
             self.stamp = path.header.stamp;
-            self.order = match path.poses.is_empty() {
-                true => Order::Stop,
-                false => Order::Follow,
+            self.order = if path.poses.is_empty() {
+                Order::Stop
+            } else {
+                Order::Follow
             };
         }
         let permit = cycle.read(self.ports.permit).any();

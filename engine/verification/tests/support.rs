@@ -94,6 +94,7 @@ pub static CATALOGUE: LazyLock<Tables> = LazyLock::new(|| Tables {
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
     builtins: &[asmotion_composite::model::BuiltinComponent::PortProxy],
+    ros: None,
 });
 
 pub fn open(files: &Files, path: &str) -> Opened {

@@ -59,7 +59,10 @@ impl Verify {
         let option = match property.kind {
             PropertyKind::Invariant | PropertyKind::Ctl | PropertyKind::Ltl => Some("--property"),
             PropertyKind::Possible => Some("--possible"),
-            PropertyKind::NoFault | PropertyKind::NotStuck | PropertyKind::RulesRun => None,
+            PropertyKind::Constraint
+            | PropertyKind::NoFault
+            | PropertyKind::NotStuck
+            | PropertyKind::RulesRun => None,
         };
         let mut add = |option: &str, value: &str| words.push(format!("{option} {}", quoted(value)));
         if let Some(option) = option {

@@ -50,6 +50,7 @@ pub fn incomplete(reason: Incomplete) -> &'static str {
 pub fn kind(kind: PropertyKind) -> &'static str {
     match kind {
         PropertyKind::Invariant => "invariant",
+        PropertyKind::Constraint => "constraint",
         PropertyKind::Ctl => "CTL",
         PropertyKind::Ltl => "LTL",
         PropertyKind::Possible => "possible",
@@ -114,6 +115,7 @@ pub fn rule_text(specification: &Specification, place: Span) -> String {
 pub fn heading(property: &CheckedProperty) -> String {
     let introduced = match property.kind {
         PropertyKind::Invariant => "invariant ",
+        PropertyKind::Constraint => "INVAR ",
         PropertyKind::Ctl => "CTLSPEC ",
         PropertyKind::Ltl => "LTLSPEC ",
         PropertyKind::Possible => "possible: ",
