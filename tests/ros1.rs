@@ -1,11 +1,7 @@
 //! `asmotion ros list` and `asmotion ros echo`, with a master and nodes of ROS 1.
 
-#[path = "../engine/ros/ros1/tests/fixture.rs"]
-#[allow(dead_code, reason = "shared with the tests of the client library")]
-mod fixture;
-
+use asmotion_ros_master::{Master, all, notifier, service_type, topic_type};
 use assert_cmd::Command;
-use fixture::{Master, topic_type};
 
 /// Exit code, standard output and standard error of `asmotion ros`, whose master is the one of the environment.
 fn ros(arguments: &[&str], port: u16) -> (i32, String, String) {
@@ -29,15 +25,10 @@ fn nodes_topics_and_services_are_listed() {
     let of = topic_type("std_msgs/Bool");
     let _publisher = node.node.publisher("stop", of.clone(), 1, false).unwrap();
     let other = master.node("/panel");
-    let queue = fixture::all(1);
-    let _subscription = other
-        .node
-        .subscribe("stop", Some(of), queue, fixture::notifier());
-    let of = fixture::service_type("std_srvs", "Trigger");
-    let _served = node
-        .node
-        .serve("~reset", of, 1, fixture::notifier())
-        .unwrap();
+    let queue = all(1);
+    let _subscription = other.node.subscribe("stop", Some(of), queue, notifier());
+    let of = service_type("std_srvs", "Trigger");
+    let _served = node.node.serve("~reset", of, 1, notifier()).unwrap();
     node.registered();
     other.registered();
     let (code, out, err) = ros(&["list"], master.port);

@@ -143,7 +143,7 @@ mod tests {
         LengthMonitor::new(&lengths.collect::<Vec<_>>())
     }
 
-    fn message(lists: &[(&str, usize)]) -> Datum {
+    fn message(lists: &[(&'static str, usize)]) -> Datum {
         let lists = lists
             .iter()
             .map(|(name, count)| (*name, Datum::List(vec![Datum::Float(0.0); *count])));

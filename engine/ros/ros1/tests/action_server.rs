@@ -8,7 +8,7 @@ use asmotion_ros1::{
     ActionRequest, ActionServer, ActionType, GoalId, GoalOutcome, ServedGoalError,
 };
 
-use crate::fixture::{Master, Process, eventually, notifier};
+use asmotion_ros_master::{Master, Process, eventually, notifier};
 
 fn now() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();

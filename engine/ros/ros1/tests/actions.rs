@@ -8,7 +8,7 @@ use asmotion_ros1::{
     ActionClient, ActionError, ActionEvent, ActionType, GoalId, GoalOutcome, GoalPhase,
 };
 
-use crate::fixture::{Master, TestNode, eventually, notifier};
+use asmotion_ros_master::{Master, TestNode, eventually, notifier};
 
 fn action_type() -> ActionType {
     let noetic = Catalogue::included(Distribution::Ros1);

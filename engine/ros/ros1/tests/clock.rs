@@ -2,7 +2,7 @@
 
 use asmotion_ros1::{RosClock, clock_message};
 
-use crate::fixture::{Master, eventually, notifier, topic_type};
+use asmotion_ros_master::{Master, eventually, notifier, topic_type};
 
 #[test]
 fn the_clock_is_followed_by_rospy_and_by_this_library() {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::fixture::{Master, TestNode, all, eventually, notifier, service_type, topic_type};
+use asmotion_ros_master::{Master, TestNode, all, eventually, notifier, service_type, topic_type};
 use asmotion_ros1::RosNotice;
 
 #[test]

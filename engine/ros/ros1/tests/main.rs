@@ -11,7 +11,6 @@ mod action_server;
 mod actions;
 mod bad_peers;
 mod clock;
-mod fixture;
 mod graph;
 mod master;
 mod parameters;

@@ -5,7 +5,9 @@ use std::time::Duration;
 use asmotion_bus::{CallFailure, LinkState};
 use asmotion_ros1::RosNotice;
 
-use crate::fixture::{Master, SOON, all, eventually, notifier, service_type, string, topic_type};
+use asmotion_ros_master::{
+    Master, SOON, all, eventually, notifier, service_type, string, topic_type,
+};
 
 #[test]
 fn all_registrations_are_made_again_when_the_master_restarts() {
@@ -119,7 +121,7 @@ fn attempts_are_bounded_while_the_master_is_down() {
             }
         }
     });
-    let node = crate::fixture::TestNode::start(port, "/robot", |_| ());
+    let node = asmotion_ros_master::TestNode::start(port, "/robot", |_| ());
     let flags: Vec<_> = (0..50)
         .map(|number| {
             node.node.publisher(

@@ -6,7 +6,7 @@ use asmotion_bus::{CallFailure, Payload, PendingCall, Subscription};
 use asmotion_datum::Datum;
 use asmotion_ros1::RosError;
 
-use crate::fixture::{Master, SOON, all, notifier};
+use asmotion_ros_master::{Master, SOON, all, notifier};
 
 fn done(call: Result<PendingCall, RosError>) -> Result<Datum, CallFailure> {
     let payload = call.unwrap().wait()?;

@@ -6,7 +6,7 @@ use asmotion_bus::{CallFailure, Payload, Refusal, Request, SenderId};
 use asmotion_datum::Datum;
 use asmotion_ros1::{FAILED, MISMATCH, RosError};
 
-use crate::fixture::{Master, SOON, eventually, notifier, service_type};
+use asmotion_ros_master::{Master, SOON, eventually, notifier, service_type};
 
 fn request(data: bool, timeout: Duration) -> Request {
     let argument = Payload::of(Datum::record([("data", Datum::Bool(data))]));
@@ -179,7 +179,7 @@ fn a_service_that_is_never_answered_ends_at_its_limit() {
     let Some(master) = Master::start() else {
         return;
     };
-    let node = crate::fixture::TestNode::start(master.port, "/robot", |settings| {
+    let node = asmotion_ros_master::TestNode::start(master.port, "/robot", |settings| {
         settings.timing.service = Duration::from_millis(300);
     });
     let of = service_type("std_srvs", "SetBool");

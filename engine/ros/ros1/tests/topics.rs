@@ -8,7 +8,7 @@ use asmotion_bus::{Notifier, Subscription};
 use asmotion_datum::Datum;
 use asmotion_ros1::{RosError, RosNotice, TypeMismatch};
 
-use crate::fixture::{Master, SOON, all, eventually, notifier, string, topic_type};
+use asmotion_ros_master::{Master, SOON, all, eventually, notifier, string, topic_type};
 
 fn text(subscription: &Subscription) -> (String, String) {
     let envelope = subscription.next_within(SOON).expect("a message");

@@ -1,5 +1,17 @@
-//! A private master, nodes of rospy, and nodes of this library.
+//! For tests: a private master of ROS 1, and nodes of rospy.
+//!
+//! Panics are how a test fails.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::missing_panics_doc,
+    clippy::indexing_slicing,
+    reason = "part of tests"
+)]
+
+use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -11,6 +23,7 @@ use asmotion_bus::{Notifier, Overflow, QueuePolicy};
 use asmotion_datum::Datum;
 use asmotion_ros_interface::{Catalogue, Distribution, InterfaceKind, InterfaceName};
 use asmotion_ros1::{RosNode, RosNotice, RosSettings, RosTiming, RosUri, ServiceType, TopicType};
+use serde_json::{Value, json};
 
 /// Python of the system, for which Debian installs ROS.
 const PYTHON: &str = "/usr/bin/python3";
@@ -46,7 +59,7 @@ impl Process {
             .env("ROS_MASTER_URI", format!("http://127.0.0.1:{port}/"))
             .env("ROS_IP", "127.0.0.1")
             .env("ROS_PACKAGE_PATH", "/usr/share")
-            .env("ROS_HOME", std::env::temp_dir().join("asmotion-ros1-test"))
+            .env("ROS_HOME", std::env::temp_dir().join("asmotion-ros-test"))
             .env("PYTHONUNBUFFERED", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped());
@@ -68,6 +81,9 @@ impl Process {
     }
 
     /// The next line of its output.
+    ///
+    /// # Panics
+    /// There is none soon.
     pub fn line(&self) -> String {
         self.lines.recv_timeout(SOON).expect("a line of the peer")
     }
@@ -101,6 +117,7 @@ impl Drop for Process {
 
 /// A master of ROS at a port of its own.
 pub struct Master {
+    /// Port of the master.
     pub port: u16,
     process: Option<Process>,
 }
@@ -138,16 +155,38 @@ impl Master {
         self.process = None;
     }
 
-    /// Runs a script of `tests/peers`.
+    /// Runs a script of `peers/`, which takes part in the system.
+    ///
+    /// # Panics
+    /// The script cannot be started.
     pub fn peer(&self, script: &str, arguments: &[&str]) -> Process {
-        let here = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers");
-        // this file is also part of the tests of the command line
-        let there = concat!(env!("CARGO_MANIFEST_DIR"), "/engine/ros/ros1/tests/peers");
-        let is_here = std::path::Path::new(here).exists();
-        let path = format!("{}/{script}.py", if is_here { here } else { there });
+        let path = format!("{}/peers/{script}.py", env!("CARGO_MANIFEST_DIR"));
         let mut all = vec![&*path];
         all.extend(arguments);
         Process::start(&all, self.port)
+    }
+
+    /// Starts a node of `asmotion-ros1`.
+    pub fn node(&self, name: &str) -> TestNode {
+        TestNode::start(self.port, name, |_| ())
+    }
+
+    /// Starts a node of rospy that does what its input says (`peers/node.py`).
+    ///
+    /// # Panics
+    /// The node cannot be started.
+    pub fn rospy(&self, name: &str) -> RospyNode {
+        let node = RospyNode {
+            process: self.peer("node", &[name]),
+            unread: VecDeque::new(),
+        };
+        node.process.line();
+        node
+    }
+
+    /// The address of the master, `ROS_MASTER_URI`.
+    pub fn uri(&self) -> String {
+        format!("http://127.0.0.1:{}/", self.port)
     }
 
     /// The output of a tool of ROS, such as `rosnode list`.
@@ -169,20 +208,111 @@ impl Master {
         );
         text
     }
+}
 
-    /// Starts a node of this library.
-    pub fn node(&self, name: &str) -> TestNode {
-        TestNode::start(self.port, name, |_| ())
+/// A node of rospy.
+pub struct RospyNode {
+    process: Process,
+    /// Lines that were not awaited yet.
+    unread: VecDeque<Value>,
+}
+
+impl RospyNode {
+    /// Gives a command to the node, and waits until it is done.
+    ///
+    /// # Panics
+    /// The node does not answer soon.
+    pub fn obey(&mut self, command: Value) {
+        self.process.tell(&command.to_string());
+        loop {
+            let line = self.read();
+            if line[0] == "done" {
+                return;
+            }
+            self.unread.push_back(line);
+        }
     }
+
+    /// Subscribes to a topic.
+    pub fn subscribe(&mut self, topic: &str, kind: &str) {
+        self.obey(json!(["subscribe", topic, kind]));
+    }
+
+    /// Announces a topic, which is published later, and waits until so many nodes have subscribed to it.
+    pub fn advertise(&mut self, topic: &str, kind: &str, subscribers: usize) {
+        self.obey(json!(["advertise", topic, kind]));
+        self.obey(json!(["connections", topic, subscribers]));
+    }
+
+    /// Publishes a message.
+    pub fn publish(&mut self, topic: &str, kind: &str, message: Value) {
+        self.obey(json!(["publish", topic, kind, message, false]));
+    }
+
+    /// The next message of a topic: its content, and the name of its publisher. Messages of other topics are kept.
+    ///
+    /// # Panics
+    /// There is none soon.
+    pub fn message(&mut self, topic: &str) -> (Value, String) {
+        let is_of = |line: &Value| line[0] == "message" && line[1] == *topic;
+        let found = self.unread.iter().position(is_of);
+        let line = match found.and_then(|at| self.unread.remove(at)) {
+            Some(line) => line,
+            None => loop {
+                let line = self.read();
+                if is_of(&line) {
+                    break line;
+                }
+                self.unread.push_back(line);
+            },
+        };
+        let publisher = line[3].as_str().unwrap_or_default().to_owned();
+        (line[2].clone(), publisher)
+    }
+
+    /// The number of messages of a topic that have arrived and were not awaited.
+    pub fn waiting(&mut self, topic: &str) -> usize {
+        while let Some(line) = self.process.try_line() {
+            self.unread.push_back(parsed(&line));
+        }
+        let of_topic = |line: &&Value| line[0] == "message" && line[1] == *topic;
+        self.unread.iter().filter(of_topic).count()
+    }
+
+    /// Stops the process, so that it reads nothing.
+    ///
+    /// # Panics
+    /// It cannot be stopped.
+    pub fn pause(&self) {
+        self.process.signal("STOP");
+    }
+
+    /// Lets a stopped process go on.
+    ///
+    /// # Panics
+    /// It has ended.
+    pub fn go_on(&self) {
+        self.process.signal("CONT");
+    }
+
+    fn read(&self) -> Value {
+        parsed(&self.process.line())
+    }
+}
+
+fn parsed(line: &str) -> Value {
+    serde_json::from_str(line).unwrap_or_else(|_| panic!("the peer printed {line}"))
 }
 
 /// A node of this library, and its notices.
 pub struct TestNode {
+    /// The node.
     pub node: RosNode,
     notices: Arc<Mutex<Vec<RosNotice>>>,
 }
 
 impl TestNode {
+    /// Starts a node that finds the master at this port. `change` changes its settings.
     pub fn start(port: u16, name: &str, change: impl FnOnce(&mut RosSettings)) -> Self {
         let notices = Arc::new(Mutex::new(Vec::new()));
         let mut settings = RosSettings {
@@ -203,11 +333,13 @@ impl TestNode {
         Self { node, notices }
     }
 
+    /// The node, once the master knows all that it takes part in.
     pub fn registered(&self) -> &RosNode {
         self.node.await_registered(SOON).unwrap();
         &self.node
     }
 
+    /// Its notices so far.
     pub fn notices(&self) -> Vec<RosNotice> {
         self.notices.lock().unwrap().clone()
     }
@@ -230,11 +362,13 @@ pub fn eventually<T>(what: &str, mut condition: impl FnMut() -> Option<T>) -> T 
     }
 }
 
+/// The type of a topic in Noetic.
 pub fn topic_type(name: &str) -> TopicType {
     let noetic = Catalogue::included(Distribution::Ros1);
     TopicType::of(&noetic, &name.parse().unwrap()).unwrap()
 }
 
+/// The type of a service in Noetic.
 pub fn service_type(package: &str, name: &str) -> ServiceType {
     let noetic = Catalogue::included(Distribution::Ros1);
     let name = InterfaceName::new(package, InterfaceKind::Service, name).unwrap();
@@ -254,6 +388,7 @@ pub fn all(size: usize) -> QueuePolicy {
     }
 }
 
+/// A notifier that nobody waits for.
 pub fn notifier() -> Arc<Notifier> {
     Arc::new(Notifier::new())
 }
