@@ -2,6 +2,8 @@
 
 mod catalogue;
 mod environment;
+#[cfg(feature = "ros")]
+pub(crate) mod ros_messages;
 
 use std::sync::Arc;
 

@@ -21,6 +21,7 @@ use asmotion_datum::{Schema, Shape};
 use asmotion_lang::ir::Program;
 use asmotion_plan::{Component, End, Implementation, Opened, Plan, Terminal, Topic};
 
+use crate::bridges;
 use crate::build::Build;
 use crate::files::DiskLoader;
 
@@ -367,7 +368,7 @@ fn declaration(
         catalogue,
         loader: &DiskLoader,
         seed: 0,
-        builtins: &mut |_, _| None,
+        builtins: &mut bridges::make,
     };
     let make = workshop.make(component, plan).ok()?;
     let mut scratch = Interface::new();
@@ -381,5 +382,17 @@ pub fn implementation(component: &Component) -> String {
         let name = std::path::Path::new(file).file_name();
         return name.map_or(file.clone(), |name| name.to_string_lossy().into_owned());
     }
-    component.implementation.words().join(" ")
+    let words = component.implementation.words().into_iter();
+    words
+        .chain(stands_for(component))
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// The component that a proxy or a stand-in stands for, or the bridge of a ros-bridge.
+fn stands_for(component: &Component) -> Option<&str> {
+    let Implementation::Builtin { target, bridge, .. } = &component.implementation else {
+        return None;
+    };
+    target.as_deref().or(bridge.as_deref())
 }

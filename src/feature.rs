@@ -24,7 +24,7 @@ pub struct Amqp;
 /// Services over HTTP: gateways of composites, and wires to other systems.
 pub struct Http;
 
-/// Interfaces of ROS, and systems of ROS 1: `ros types`, `ros list`, `ros echo`.
+/// ROS: the built-in `ros-bridge`, `ros types`, `ros list` and `ros echo`.
 pub struct Ros;
 
 /// Composites of the Service Component Architecture, and RTT's property files.
@@ -48,7 +48,7 @@ impl Feature for Http {
 
 impl Feature for Ros {
     const NAME: &'static str = "ros";
-    const BRINGS: &'static str = "the client of ROS";
+    const BRINGS: &'static str = "the bridge to ROS";
 }
 
 impl Feature for Scdl {

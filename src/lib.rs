@@ -4,6 +4,7 @@
 //! writes them to a file.
 
 mod app;
+mod bridges;
 mod brief;
 mod broker;
 mod build;
@@ -25,6 +26,8 @@ mod own_program;
 mod paths;
 mod programs;
 mod prompt;
+#[cfg(feature = "ros")]
+mod ros_host;
 mod show;
 pub mod story;
 mod table;

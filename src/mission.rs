@@ -37,6 +37,7 @@ use asmotion_plan::{Implementation, Opened, Plan};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
+use crate::bridges;
 use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
@@ -210,7 +211,10 @@ impl Mission {
             catalogue: self.build.catalogue(),
             loader: &DiskLoader,
             seed: self.seed,
-            builtins: &mut |component, plan| robots.make(component, plan),
+            builtins: &mut |component, plan| {
+                let robot = robots.make(component, plan);
+                robot.or_else(|| bridges::make(component, plan))
+            },
         };
         let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
         let Assembled {

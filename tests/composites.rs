@@ -4,8 +4,11 @@ use asmotion_component::Declaration;
 use asmotion_component::declaration::{
     OperationDeclaration, ReferenceDeclaration, ServiceDeclaration,
 };
-use asmotion_composite::model::Process;
-use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, ProgramAnswer, Programs, Tables};
+use asmotion_composite::model::{BridgeKind, BuiltinComponent, Process};
+use asmotion_composite::{
+    AsmFiles, Catalogue, Context, EmptyEnvironment, ProgramAnswer, Programs, RosMessage,
+    RosMessages, Tables,
+};
 use asmotion_datum::Schema;
 use asmotion_diagnostics::Code;
 use asmotion_lang::{Diagnostic, MemoryFiles, Report, Severity};
@@ -16,8 +19,27 @@ const BUILD: Tables = Tables {
     components: asmotion_components::COMPONENTS,
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
-    builtins: &[],
+    builtins: &[BuiltinComponent::RosBridge],
+    ros: Some(|kind| (kind == BridgeKind::Ros1).then_some(&Noetic)),
 };
+
+/// Some messages of ROS 1.
+struct Noetic;
+
+impl RosMessages for Noetic {
+    fn names(&self) -> Vec<String> {
+        ["nav_msgs/Path", "std_msgs/String"]
+            .map(str::to_owned)
+            .into()
+    }
+
+    fn find(&self, name: &str) -> Option<RosMessage> {
+        let known = self.names().iter().any(|known| known == name);
+        let schema = BUILD.schema(name).filter(|_| known)?;
+        let definition = schema.to_string();
+        Some(RosMessage { schema, definition })
+    }
+}
 
 /// Knows that there is no program `grippr`, and what `surveyor` and `archive` declare. Asks no other one. Runs on another
 /// machine than `robot`.

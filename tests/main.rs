@@ -40,6 +40,7 @@ mod repl;
 mod robots;
 mod ros;
 mod ros1;
+mod ros_bridge;
 mod routes;
 mod scenario;
 mod shell;

@@ -17,6 +17,7 @@ const BUILD: Tables = Tables {
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
     builtins: &[BuiltinComponent::PortProxy],
+    ros: None,
 };
 
 /// Loads the files of the folder `specs`.

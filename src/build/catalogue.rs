@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use asmotion_component::Interface;
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
-use asmotion_composite::model::BuiltinComponent;
-use asmotion_composite::{Catalogue, ComponentFactory};
+use asmotion_composite::model::{BridgeKind, BuiltinComponent};
+use asmotion_composite::{Catalogue, ComponentFactory, RosMessages};
 use asmotion_datum::{Schema, Shape};
 
 /// Components, messages and service interfaces by name, in order of registration.
@@ -170,10 +170,26 @@ impl Catalogue for BuildCatalogue {
     }
 
     fn has(&self, builtin: BuiltinComponent) -> bool {
-        matches!(
-            builtin,
-            BuiltinComponent::PortProxy | BuiltinComponent::Remote
-        )
+        match builtin {
+            BuiltinComponent::PortProxy | BuiltinComponent::Remote => true,
+            BuiltinComponent::RosBridge => cfg!(feature = "ros"),
+            BuiltinComponent::WebMonitor
+            | BuiltinComponent::Recorder
+            | BuiltinComponent::Replayer
+            | BuiltinComponent::Simulator
+            | BuiltinComponent::HttpGateway
+            | BuiltinComponent::Timer => false,
+        }
+    }
+
+    #[cfg(feature = "ros")]
+    fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
+        super::ros_messages::of(kind)
+    }
+
+    #[cfg(not(feature = "ros"))]
+    fn ros(&self, _: BridgeKind) -> Option<&dyn RosMessages> {
+        None
     }
 
     fn messages(&self) -> Vec<String> {
@@ -181,7 +197,10 @@ impl Catalogue for BuildCatalogue {
     }
 
     fn schema(&self, message: &str) -> Option<Schema> {
-        find(&self.messages, message).cloned()
+        let own = find(&self.messages, message).cloned();
+        #[cfg(feature = "ros")]
+        let own = own.or_else(|| super::ros_messages::schema(message));
+        own
     }
 
     fn interfaces(&self) -> Vec<String> {

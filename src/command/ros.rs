@@ -9,6 +9,7 @@ use clap::{Args, Subcommand};
 
 use crate::build::Build;
 use crate::exit::Exit;
+use crate::ros_host::own_host;
 use crate::terminal::TerminalOutput;
 
 /// Shows the interfaces of ROS, and nodes and topics of a running system of ROS 1.
@@ -35,7 +36,7 @@ struct MasterArguments {
     #[arg(long, value_name = "URI")]
     master: Option<String>,
 
-    /// Host or address at which nodes reach this machine [default: `ROS_HOSTNAME` or `ROS_IP`, or 127.0.0.1]
+    /// Host or address at which nodes reach this machine [default: `ROS_HOSTNAME` or `ROS_IP`, or the address on the way to the master]
     #[arg(long, value_name = "HOST")]
     host: Option<String>,
 }
@@ -57,10 +58,8 @@ impl MasterArguments {
         if let Some(master) = self.master.or_else(|| variable("ROS_MASTER_URI")) {
             settings.master = master.parse::<RosUri>()?;
         }
-        let host = self.host.or_else(|| variable("ROS_HOSTNAME"));
-        if let Some(host) = host.or_else(|| variable("ROS_IP")) {
-            settings.host = host;
-        }
+        let master = settings.master.to_string();
+        settings.host = self.host.unwrap_or_else(|| own_host(&master));
         Ok(RosNode::start(settings)?)
     }
 }

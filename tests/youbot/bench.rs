@@ -154,6 +154,7 @@ const BUILD: Tables = Tables {
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
     builtins: &[BuiltinComponent::PortProxy],
+    ros: None,
 };
 
 /// The client with the driver's composite nested in it. `driver` is appended to its properties, `wire` to the wire of

@@ -132,6 +132,7 @@ const BUILD: Tables = Tables {
     ],
     interfaces: &[(Double::INTERFACE, double)],
     builtins: &[],
+    ros: None,
 };
 
 const SPECIFICATION: &str = "asm brain

@@ -41,6 +41,7 @@ const BUILD: Tables = Tables {
     messages: &[("test/Number", <Number as asmotion_datum::Message>::schema)],
     interfaces: &[],
     builtins: &[],
+    ros: None,
 };
 
 /// Returns a composite whose only component has these lines.

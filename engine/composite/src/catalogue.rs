@@ -7,7 +7,7 @@ use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{Component, Interface};
 use asmotion_datum::Schema;
 
-use crate::model::BuiltinComponent;
+use crate::model::{BridgeKind, BuiltinComponent};
 
 /// Creates a component and declares its ports, services and properties on the interface.
 pub type Constructor = fn(&mut Interface) -> Box<dyn Component>;
@@ -20,6 +20,27 @@ pub type SchemaOf = fn() -> &'static Schema;
 
 /// Returns the operations of a service interface.
 pub type OperationsOf = fn() -> Vec<OperationDeclaration>;
+
+/// A message type of ROS.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RosMessage {
+    /// Schema of the messages as components use them: equal in all generations of ROS.
+    pub schema: Schema,
+    /// Definition as ROS writes it, a line for each field.
+    pub definition: String,
+}
+
+/// Returns the message types of ROS for bridges of a kind; `None` if the executable cannot connect such bridges.
+pub type RosMessagesOf = fn(BridgeKind) -> Option<&'static dyn RosMessages>;
+
+/// Lookup of the message types of a generation of ROS.
+pub trait RosMessages {
+    /// Names of all message types.
+    fn names(&self) -> Vec<String>;
+
+    /// Returns a message type, such as `nav_msgs/Path`; `None` if it is unknown.
+    fn find(&self, name: &str) -> Option<RosMessage>;
+}
 
 /// Lookup of the components, messages and service interfaces available in an executable.
 pub trait Catalogue {
@@ -45,6 +66,9 @@ pub trait Catalogue {
     /// Returns whether the executable contains the built-in component.
     fn has(&self, builtin: BuiltinComponent) -> bool;
 
+    /// Returns the message types of ROS for bridges of a kind; `None` if the executable cannot connect such bridges.
+    fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages>;
+
     /// Names of all message types.
     fn messages(&self) -> Vec<String>;
 
@@ -69,6 +93,8 @@ pub struct Tables {
     pub interfaces: &'static [(&'static str, OperationsOf)],
     /// Built-in components contained in the executable.
     pub builtins: &'static [BuiltinComponent],
+    /// Message types of ROS for bridges of a kind; `None` if the executable connects no bridges.
+    pub ros: Option<RosMessagesOf>,
 }
 
 impl Tables {
@@ -78,6 +104,7 @@ impl Tables {
         messages: &[],
         interfaces: &[],
         builtins: &[],
+        ros: None,
     };
 }
 
@@ -95,6 +122,10 @@ impl Catalogue for Tables {
 
     fn has(&self, builtin: BuiltinComponent) -> bool {
         self.builtins.contains(&builtin)
+    }
+
+    fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
+        Some(self.ros?(kind)? as &dyn RosMessages)
     }
 
     fn messages(&self) -> Vec<String> {

@@ -118,6 +118,10 @@ pub(crate) mod c158;
 pub(crate) mod c159;
 pub(crate) mod c160;
 pub(crate) mod c161;
+pub(crate) mod c170;
+pub(crate) mod c171;
+pub(crate) mod c172;
+pub(crate) mod c173;
 
 use asmotion_diagnostics::Code;
 
@@ -239,4 +243,8 @@ pub const CODES: &[&Code] = &[
     c159::RobotNotAsked::CODE,
     c160::UnknownProtocolEnd::CODE,
     c161::UnfitProtocolFunction::CODE,
+    c170::UnknownRosType::CODE,
+    c171::UnusedBridge::CODE,
+    c172::MappedTwice::CODE,
+    c173::InvalidRosName::CODE,
 ];

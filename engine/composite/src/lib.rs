@@ -38,7 +38,9 @@ pub mod value;
 mod wording;
 
 pub use at::At;
-pub use catalogue::{Catalogue, ComponentFactory, Constructor, Tables};
+pub use catalogue::{
+    Catalogue, ComponentFactory, Constructor, RosMessage, RosMessages, RosMessagesOf, Tables,
+};
 pub use codes::CODES;
 pub use context::Context;
 pub use environment::{EmptyEnvironment, VariableSource};

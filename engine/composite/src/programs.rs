@@ -10,8 +10,8 @@ use asmotion_datum::Schema;
 use asmotion_program::{ProgramCommand, ProgramDeclaration, ProgramError};
 
 use crate::at::At;
-use crate::catalogue::{Catalogue, ComponentFactory};
-use crate::model::{BuiltinComponent, Implementation, Process};
+use crate::catalogue::{Catalogue, ComponentFactory, RosMessages};
+use crate::model::{BridgeKind, BuiltinComponent, Implementation, Process};
 
 /// The declaration of a program, or the reason that there is none.
 pub type ProgramAnswer = Result<ProgramDeclaration, ProgramError>;
@@ -177,6 +177,10 @@ impl Catalogue for ExtendedCatalogue<'_> {
 
     fn has(&self, builtin: BuiltinComponent) -> bool {
         self.base.has(builtin)
+    }
+
+    fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
+        self.base.ros(kind)
     }
 
     fn messages(&self) -> Vec<String> {

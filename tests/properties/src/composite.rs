@@ -11,6 +11,7 @@ const BUILD: Tables = Tables {
     messages: asmotion_components::MESSAGES,
     interfaces: asmotion_components::INTERFACES,
     builtins: &[],
+    ros: None,
 };
 
 /// A composite opens, or is refused with a report that can be rendered. An opened composite can be expanded; the result

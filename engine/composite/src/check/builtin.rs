@@ -1,18 +1,13 @@
-//! Checks the port mappings of the built-in components port-proxy and ros-bridge.
+//! Checks the built-in components.
 
 use crate::codes::c004::MissingKey;
-use crate::codes::c122::PortNotListed;
-use crate::codes::c123::PortTypeDiffers;
 use asmotion_diagnostics::Report;
 
-use super::component::unknown;
-use super::endpoints::{Endpoints, TypeAt};
-use super::proxy;
+use super::endpoints::Endpoints;
 use super::scene::CheckedComposite;
-use crate::at::At;
+use super::{proxy, ros_bridge};
 use crate::finding::Findings;
-use crate::model::{BuiltinComponent, Component, Direction, Implementation, MapEntry, RosEntry};
-use crate::nearest::nearest;
+use crate::model::{BuiltinComponent, Component, Implementation};
 
 pub(crate) fn check(scene: &mut CheckedComposite<'_>, report: &mut Report) {
     let mut faces: Vec<(usize, Endpoints)> = Vec::new();
@@ -45,7 +40,9 @@ pub(crate) fn check(scene: &mut CheckedComposite<'_>, report: &mut Report) {
                     );
                 }
             }
-            BuiltinComponent::RosBridge => ros_bridge(scene, component, bridge.as_ref(), report),
+            BuiltinComponent::RosBridge => {
+                ros_bridge::check(scene, component, bridge.as_ref(), report)
+            }
             BuiltinComponent::WebMonitor
             | BuiltinComponent::Recorder
             | BuiltinComponent::Replayer
@@ -58,65 +55,6 @@ pub(crate) fn check(scene: &mut CheckedComposite<'_>, report: &mut Report) {
         if let Some(part) = scene.parts.get_mut(index) {
             part.face = face;
         }
-    }
-}
-
-fn ros_bridge(
-    scene: &CheckedComposite<'_>,
-    component: &Component,
-    bridge: Option<&At<String>>,
-    report: &mut Report,
-) {
-    let bridges = &scene.composite.bridges;
-    match bridge {
-        None => missing(component, "bridge", "\"ros\"", "a ros-bridge", report),
-        Some(name) if !bridges.iter().any(|bridge| bridge.name.value == name.value) => {
-            let known = bridges
-                .iter()
-                .map(|it| (it.name.value.as_str(), Some(it.name.span)));
-            report.found(unknown("bridge", name, nearest(name, known)));
-        }
-        Some(_) => {}
-    }
-    for entry in &component.special.map {
-        if let MapEntry::Ros(entry) = entry {
-            ros_entry(scene, component, entry, report);
-        }
-    }
-}
-
-fn ros_entry(
-    scene: &CheckedComposite<'_>,
-    component: &Component,
-    entry: &RosEntry,
-    report: &mut Report,
-) {
-    let (list, key, direction) = match entry.direction.value {
-        Direction::ToRos => (&component.subscribe, "subscribe", "to ROS"),
-        Direction::FromRos => (&component.publish, "publish", "from ROS"),
-    };
-    match list
-        .iter()
-        .find(|listed| listed.name.value == entry.from.value)
-    {
-        None => report.found(PortNotListed {
-            name: entry.from.value.clone(),
-            direction,
-            list: key,
-            kind: entry.kind.value.clone(),
-            at: entry.from.span,
-        }),
-        Some(listed) if entry.convert.is_none() && !scene.types.same(&listed.kind, &entry.kind) => {
-            report.found(PortTypeDiffers {
-                name: entry.from.value.clone(),
-                here: listed.kind.value.clone(),
-                there: entry.kind.value.clone(),
-                at: entry.kind.span,
-                declared: TypeAt::new(&listed.kind.value, Some(listed.kind.span))
-                    .and_then(|kind| kind.at),
-            });
-        }
-        Some(_) => {}
     }
 }
 

@@ -1,38 +1,96 @@
-//! Checks brokers and bridges.
+//! Checks bridges.
 
 use crate::codes::c004::MissingKey;
+use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
-use asmotion_diagnostics::Report;
+use crate::codes::c171::UnusedBridge;
+use asmotion_diagnostics::{Report, Span};
 
+use super::ros_bridge::check_name;
 use super::scene::CheckedComposite;
 use crate::finding::Findings;
-use crate::model::{Bridge, BridgeKind};
+use crate::model::{Bridge, BridgeKind, Implementation};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
-        report.found(UnsupportedKey {
-            key: "bridges",
-            at: bridge.name.span,
-            instead: "connect to ROS with a program of its own on the broker (docs/wire.md)",
-        });
-        let missing = match bridge.kind.value {
-            BridgeKind::Ros1 if bridge.master.is_none() => {
-                Some(("master", "\"http://127.0.0.1:11311\""))
-            }
-            BridgeKind::Rosbridge if bridge.url.is_none() => {
-                Some(("url", "\"ws://127.0.0.1:9090\""))
-            }
-            BridgeKind::Ros1 | BridgeKind::Ros2 | BridgeKind::Rosbridge => None,
-        };
-        if let Some((key, example)) = missing {
-            report.found(MissingKey {
-                key,
-                of: of(bridge),
+        if scene.catalogue.ros(bridge.kind.value).is_none() {
+            report.found(UnsupportedKey {
+                key: "bridges",
                 at: bridge.name.span,
-                example: example.to_owned(),
+                instead: "connect to ROS with a program of its own on the broker (docs/wire.md)",
             });
         }
+        if !is_used(scene, bridge) {
+            report.found(UnusedBridge {
+                name: bridge.name.value.clone(),
+                at: bridge.name.span,
+            });
+        }
+        if let Some(node) = &bridge.node {
+            check_name(node, report);
+        }
+        check_keys(bridge, report);
     }
+}
+
+/// Reports a missing key, and keys of bridges of another kind.
+fn check_keys(bridge: &Bridge, report: &mut Report) {
+    let example = match bridge.kind.value {
+        BridgeKind::Ros1 => Some(("master", "\"http://127.0.0.1:11311\"")),
+        BridgeKind::Ros2 => None,
+        BridgeKind::Rosbridge => Some(("url", "\"ws://127.0.0.1:9090\"")),
+    };
+    let keys: [(&'static str, Option<Span>, BridgeKind); 3] = [
+        (
+            "master",
+            bridge.master.as_ref().map(|it| it.span),
+            BridgeKind::Ros1,
+        ),
+        (
+            "domain",
+            bridge.domain.as_ref().map(|it| it.span),
+            BridgeKind::Ros2,
+        ),
+        (
+            "url",
+            bridge.url.as_ref().map(|it| it.span),
+            BridgeKind::Rosbridge,
+        ),
+    ];
+    for (key, at, kind) in keys {
+        match at {
+            None => {
+                if let Some((_, example)) = example.filter(|(required, _)| *required == key) {
+                    report.found(MissingKey {
+                        key,
+                        of: of(bridge),
+                        at: bridge.name.span,
+                        example: example.to_owned(),
+                    });
+                }
+            }
+            Some(at) if kind != bridge.kind.value => report.found(IdleKey {
+                key,
+                at,
+                reason: "belongs to bridges of another kind",
+            }),
+            Some(_) => {}
+        }
+    }
+}
+
+/// Returns whether a component of the composite names a bridge, in any profile.
+fn is_used(scene: &CheckedComposite<'_>, bridge: &Bridge) -> bool {
+    let mut components = scene.composite.components.iter();
+    components.any(|component| {
+        let Some(Implementation::Builtin {
+            bridge: Some(name), ..
+        }) = &component.implementation
+        else {
+            return false;
+        };
+        name.value == bridge.name.value
+    })
 }
 
 fn of(bridge: &Bridge) -> &'static str {

@@ -25,6 +25,7 @@ mod promote;
 mod protocol;
 mod proxy;
 mod queue;
+mod ros_bridge;
 mod scene;
 mod topic;
 mod wire;

@@ -2,7 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Mapped topic of another type
 ///
-/// A topic and its ROS topic must have the same type unless `convert` names a converter.
+/// A topic and its ROS topic must have the same type: equal names and fields. The sequence number that headers have in ROS 1
+/// only does not count.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -58,16 +59,38 @@ pub(crate) struct PortTypeDiffers {
     pub there: String,
     pub at: Span,
     pub declared: Option<Span>,
+    /// The first difference and both definitions; `None` if a type is unknown.
+    pub definitions: Option<RosDifference>,
+}
+
+/// A difference between a type of the composite and one of ROS.
+#[derive(Debug)]
+pub(crate) struct RosDifference {
+    pub difference: String,
+    pub here: String,
+    pub there: String,
 }
 
 impl Finding for PortTypeDiffers {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { declared, .. } = self;
+        let Self {
+            declared,
+            here,
+            there,
+            ..
+        } = self;
         let diagnostic = diagnostic.label(self.at, "type there");
         let diagnostic = match declared {
             Some(declared) => diagnostic.label(*declared, "type here"),
             None => diagnostic,
         };
-        diagnostic.help("add a converter with `convert`, or use one type on both sides")
+        let diagnostic = match &self.definitions {
+            Some(of) => diagnostic
+                .note(&of.difference)
+                .note(format!("`{here}` here:\n{}", of.here.trim_end()))
+                .note(format!("`{there}` there:\n{}", of.there.trim_end())),
+            None => diagnostic,
+        };
+        diagnostic.help("use one type on both sides")
     }
 }

@@ -46,6 +46,6 @@ impl Finding for RobotNotAsked {
         } else {
             diagnostic.note(format!("not verified: {}", self.unverified.join(", ")))
         };
-        diagnostic.help("`asmotion run` asks it over the broker before anything starts")
+        diagnostic.help("`asmotion run` asks it over the broker before anything starts; its ports and services are those that it announces then")
     }
 }

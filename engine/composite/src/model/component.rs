@@ -263,9 +263,34 @@ pub struct RosEntry {
     /// Direction of the messages.
     #[key(example = "\"to_ros\"")]
     pub direction: At<Direction>,
+    /// Quality of service in ROS.
+    #[key(example = "{ depth = 1, durability = \"transient_local\" }")]
+    pub qos: Option<RosQos>,
     /// Converter, required if the message types differ.
     #[key(example = "\"event_from_string\"")]
     pub convert: Option<At<String>>,
+}
+
+/// Quality of service of a mapped topic, in the terms of ROS 2.
+#[derive(Clone, Debug, Table)]
+#[table(of = "`qos`", example = "{ depth = 1 }", resolved = PlannedRosQos)]
+pub struct RosQos {
+    /// Number of messages that wait for a subscriber; then the oldest one is dropped and counted.
+    #[key(range = 1..=100_000, default = 10)]
+    pub depth: Option<At<u64>>,
+    /// Messages for subscribers that join later.
+    #[key(default)]
+    pub durability: Option<At<Durability>>,
+}
+
+/// Messages of a topic for subscribers that join later.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
+pub enum Durability {
+    /// None.
+    #[default]
+    Volatile,
+    /// The last ones, as many as `depth`; in ROS 1 the last one, which is called latched there.
+    TransientLocal,
 }
 
 /// Direction of messages through a bridge.

@@ -21,10 +21,11 @@ pub use crate::template::{Piece, Template};
 pub use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
 pub use asmotion_datum::Codec;
 pub use component::{
-    Busy, Component, Condition, Direction, Idle, ListLength, Listed, MapEntry, MessagePath, Notify,
-    PlannedIdle, PlannedListLength, PlannedMapEntry, PlannedNotify, PlannedPlot, PlannedProxyEntry,
-    PlannedRosEntry, PlannedSpecialKeys, PlannedVerify, Plot, Ports, ProxyEntry, ProxyMode, Rename,
-    RosEntry, SpecialKeys, Verify, Wanted,
+    Busy, Component, Condition, Direction, Durability, Idle, ListLength, Listed, MapEntry,
+    MessagePath, Notify, PlannedIdle, PlannedListLength, PlannedMapEntry, PlannedNotify,
+    PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedRosQos, PlannedSpecialKeys,
+    PlannedVerify, Plot, Ports, ProxyEntry, ProxyMode, Rename, RosEntry, RosQos, SpecialKeys,
+    Verify, Wanted,
 };
 pub use composite::{Composite, Head};
 pub use deploy::{

@@ -4,8 +4,8 @@ use asmotion_component::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
     ServiceDeclaration,
 };
-use asmotion_composite::model::BuiltinComponent;
-use asmotion_composite::{Catalogue, ComponentFactory};
+use asmotion_composite::model::{BridgeKind, BuiltinComponent};
+use asmotion_composite::{Catalogue, ComponentFactory, RosMessage, RosMessages};
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 /// A catalogue with a few components, message types and interfaces.
@@ -108,6 +108,10 @@ impl Catalogue for SmallBuild {
                 | BuiltinComponent::RosBridge
                 | BuiltinComponent::WebMonitor
         )
+    }
+
+    fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
+        (kind == BridgeKind::Ros1).then_some(self)
     }
 
     fn messages(&self) -> Vec<String> {
@@ -264,5 +268,20 @@ fn ranged(name: &str, default: f64, least: f64, greatest: f64, unit: &str) -> Pr
         unit: unit.to_owned(),
         range: Some((Datum::Float(least), Datum::Float(greatest))),
         ..property(name, Shape::F64, Datum::Float(default))
+    }
+}
+
+impl RosMessages for SmallBuild {
+    fn names(&self) -> Vec<String> {
+        let mut names = self.messages();
+        names.retain(|name| !name.starts_with("nav/"));
+        names
+    }
+
+    fn find(&self, name: &str) -> Option<RosMessage> {
+        let known = self.names().iter().any(|it| it == name);
+        let schema = self.schema(name).filter(|_| known)?;
+        let definition = format!("# definition of {name}\n");
+        Some(RosMessage { schema, definition })
     }
 }

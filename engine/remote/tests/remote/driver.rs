@@ -67,6 +67,7 @@ pub const BUILD: Tables = Tables {
     messages: &[(Joints::NAME, Joints::schema as fn() -> &'static Schema)],
     interfaces: &[(Mirror::INTERFACE, mirror)],
     builtins: &[],
+    ros: None,
 };
 
 fn mirror() -> Vec<OperationDeclaration> {

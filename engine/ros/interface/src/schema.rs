@@ -12,6 +12,8 @@ use crate::name::InterfaceName;
 const TIME: &str = "builtin_interfaces/Time";
 /// The type of durations.
 const DURATION: &str = "builtin_interfaces/Duration";
+/// The type of headers, which in ROS 1 have a sequence number.
+const HEADER: &str = "std_msgs/Header";
 
 impl Catalogue {
     /// The schema of a message, whose name is the short one: `geometry_msgs/Twist`. It is that of the wire, for the codecs
@@ -26,6 +28,15 @@ impl Catalogue {
         self.contained(name)?;
         let structure = self.message(name)?;
         self.record(name.short(), structure)
+    }
+
+    /// The schema of a message without the differences between the generations of ROS, as components use it: headers have no
+    /// sequence number, and times have signed seconds and unsigned nanoseconds, as in ROS 2.
+    ///
+    /// # Errors
+    /// As [`schema`](Self::schema).
+    pub fn common_schema(&self, name: &InterfaceName) -> Result<Schema, DefinitionError> {
+        self.schema(name).map(common)
     }
 
     /// The schemas of the structures of an interface, in their order: of a message, of request and response, or of goal,
@@ -96,6 +107,42 @@ impl Catalogue {
             Primitive::Duration => return of_two(DURATION, Shape::I32, Shape::I32),
         })
     }
+}
+
+fn common(schema: Schema) -> Schema {
+    let shape = match schema.shape {
+        Shape::Record(_) if *schema.name == *TIME => return of_two(TIME, Shape::I32, Shape::U32),
+        Shape::Record(_) if *schema.name == *DURATION => {
+            return of_two(DURATION, Shape::I32, Shape::U32);
+        }
+        Shape::Record(mut fields) => {
+            if *schema.name == *HEADER {
+                fields.retain(|field| *field.name != *"seq");
+            }
+            for field in &mut fields {
+                let inner = std::mem::replace(&mut field.schema, Schema::plain(Shape::Any));
+                field.schema = common(inner);
+            }
+            Shape::Record(fields)
+        }
+        Shape::List(element) => Shape::List(Box::new(common(*element))),
+        Shape::Array(element, count) => Shape::Array(Box::new(common(*element)), count),
+        shape @ (Shape::Any
+        | Shape::Bool
+        | Shape::Text
+        | Shape::F32
+        | Shape::F64
+        | Shape::I8
+        | Shape::I16
+        | Shape::I32
+        | Shape::I64
+        | Shape::U8
+        | Shape::U16
+        | Shape::U32
+        | Shape::U64
+        | Shape::Option(_)) => shape,
+    };
+    Schema { shape, ..schema }
 }
 
 /// A record of seconds and nanoseconds.

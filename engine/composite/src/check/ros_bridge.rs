@@ -1,0 +1,180 @@
+//! Checks the built-in component ros-bridge.
+
+use std::collections::BTreeMap;
+
+use asmotion_datum::{Schema, Shape};
+use asmotion_diagnostics::Report;
+
+use super::builtin::missing;
+use super::component::unknown;
+use super::endpoints::TypeAt;
+use super::scene::CheckedComposite;
+use crate::at::At;
+use crate::codes::c076::UnsupportedKey;
+use crate::codes::c122::PortNotListed;
+use crate::codes::c123::{PortTypeDiffers, RosDifference};
+use crate::codes::c170::UnknownRosType;
+use crate::codes::c172::MappedTwice;
+use crate::codes::c173::InvalidRosName;
+use crate::finding::Findings;
+use crate::model::{BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
+use crate::nearest::{nearest, nearest_name};
+
+pub(super) fn check(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    bridge: Option<&At<String>>,
+    report: &mut Report,
+) {
+    let bridges = &scene.composite.bridges;
+    let Some(name) = bridge else {
+        missing(component, "bridge", "\"ros\"", "a ros-bridge", report);
+        return;
+    };
+    let Some(bridge) = bridges.iter().find(|it| it.name.value == name.value) else {
+        let known = bridges
+            .iter()
+            .map(|it| (it.name.value.as_str(), Some(it.name.span)));
+        report.found(unknown("bridge", name, nearest(name, known)));
+        return;
+    };
+    let mut published: BTreeMap<&str, &RosEntry> = BTreeMap::new();
+    for entry in &component.special.map {
+        let MapEntry::Ros(entry) = entry else {
+            continue;
+        };
+        check_name(&entry.ros, report);
+        if let Some(convert) = &entry.convert {
+            report.found(UnsupportedKey {
+                key: "convert",
+                at: convert.span,
+                instead: "use one type on both sides, or convert in a component between topics",
+            });
+        }
+        check_entry(scene, component, bridge.kind.value, entry, report);
+        if entry.direction.value == Direction::ToRos
+            && let Some(first) = published.insert(&entry.ros, entry)
+        {
+            report.found(MappedTwice {
+                ros: entry.ros.value.clone(),
+                first: first.from.value.clone(),
+                second: entry.from.value.clone(),
+                at: entry.ros.span,
+                before: first.ros.span,
+            });
+        }
+    }
+}
+
+fn check_entry(
+    scene: &CheckedComposite<'_>,
+    component: &Component,
+    kind: BridgeKind,
+    entry: &RosEntry,
+    report: &mut Report,
+) {
+    let (lists, key, direction) = match entry.direction.value {
+        Direction::ToRos => {
+            let lists = [&component.subscribe, &component.ports.inputs];
+            (lists, "subscribe", "to ROS")
+        }
+        Direction::FromRos => {
+            let lists = [&component.publish, &component.ports.outputs];
+            (lists, "publish", "from ROS")
+        }
+    };
+    let mut listed = lists.into_iter().flatten();
+    match listed.find(|listed| listed.name.value == entry.from.value) {
+        None => report.found(PortNotListed {
+            name: entry.from.value.clone(),
+            direction,
+            list: key,
+            kind: entry.kind.value.clone(),
+            at: entry.from.span,
+        }),
+        Some(listed) => check_types(scene, kind, entry, listed, report),
+    }
+}
+
+/// Compares the type of a port with that of its topic in ROS.
+fn check_types(
+    scene: &CheckedComposite<'_>,
+    kind: BridgeKind,
+    entry: &RosEntry,
+    listed: &Listed,
+    report: &mut Report,
+) {
+    // reported at the bridge; there are no definitions
+    let Some(messages) = scene.catalogue.ros(kind) else {
+        return;
+    };
+    let Some(there) = messages.find(&entry.kind) else {
+        let known = messages.names();
+        report.found(UnknownRosType {
+            name: entry.kind.value.clone(),
+            generation: generation(kind),
+            at: entry.kind.span,
+            nearest: nearest_name(&entry.kind, known.iter().map(String::as_str)),
+        });
+        return;
+    };
+    // an unknown type is reported where it is listed
+    let Some(here) = scene.types.schema(&listed.kind) else {
+        return;
+    };
+    let Err(difference) = here.compare(&there.schema) else {
+        return;
+    };
+    report.found(PortTypeDiffers {
+        name: entry.from.value.clone(),
+        here: listed.kind.value.clone(),
+        there: entry.kind.value.clone(),
+        at: entry.kind.span,
+        declared: TypeAt::new(&listed.kind.value, Some(listed.kind.span)).and_then(|kind| kind.at),
+        definitions: Some(RosDifference {
+            difference: difference.to_string(),
+            here: definition(&here),
+            there: there.definition,
+        }),
+    });
+}
+
+/// A schema in the form of a definition of ROS.
+fn definition(schema: &Schema) -> String {
+    let Shape::Record(fields) = &schema.shape else {
+        return schema.to_string();
+    };
+    let lines = fields.iter();
+    let lines = lines.map(|field| format!("{} {}\n", field.schema, field.name));
+    lines.collect()
+}
+
+/// Reports a text that is not a name in ROS.
+pub(super) fn check_name(name: &At<String>, report: &mut Report) {
+    if !is_name(name) {
+        report.found(InvalidRosName {
+            name: name.value.clone(),
+            at: name.span,
+        });
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    let parts = name.strip_prefix('/').unwrap_or(name).split('/');
+    parts.into_iter().all(|part| {
+        let mut letters = part.chars();
+        letters
+            .next()
+            .is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+            && letters.all(|next| next.is_ascii_alphanumeric() || next == '_')
+    })
+}
+
+/// The generation of ROS that a bridge connects to, for display.
+fn generation(kind: BridgeKind) -> &'static str {
+    match kind {
+        BridgeKind::Ros1 => "ROS 1",
+        BridgeKind::Ros2 => "ROS 2",
+        BridgeKind::Rosbridge => "rosbridge",
+    }
+}

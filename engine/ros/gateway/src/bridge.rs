@@ -1,0 +1,280 @@
+//! The component.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use asmotion_bridge::{Conversion, Use};
+use asmotion_component::{
+    Component, Cycle, Fault, In, Interface, Losses, NOTICE_REPORT, Out, Setup,
+};
+use asmotion_datum::{Datum, Schema};
+
+use crate::echo::Echoes;
+use crate::mapped::{JoinedTopics, MappedTopic, RosDirection};
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+
+/// Joins topics of a composite and topics of ROS.
+///
+/// Its cycle sends the samples of its inputs to ROS, and writes the messages of ROS to its outputs. It needs the wall clock: the
+/// nodes of ROS run on it. A message that does not fit the other side is counted as a misfit, and dropped.
+pub struct RosBridge {
+    transport: Box<dyn RosTransport>,
+    to_ros: Vec<Outbound>,
+    from_ros: Vec<Inbound>,
+    /// `None` before the component is configured.
+    open: Option<OpenConnection>,
+    /// Messages that the bridge itself wrote, by pairs of topics that it maps in both directions.
+    echoes: BTreeMap<JoinedTopics, Echoes>,
+    misfits: Misfits,
+}
+
+struct Outbound {
+    mapped: MappedTopic,
+    port: In<Datum>,
+    ros_schema: Schema,
+    /// Of the next message.
+    sequence: u32,
+}
+
+struct Inbound {
+    mapped: MappedTopic,
+    port: Out<Datum>,
+    conversion: Conversion,
+}
+
+/// A connection, with a sender or receiver for each mapping, in their order.
+struct OpenConnection {
+    // before the connection, which ends when it is dropped
+    senders: Vec<Box<dyn MessageSender>>,
+    receivers: Vec<Box<dyn MessageReceiver>>,
+    connection: Box<dyn RosConnection>,
+}
+
+impl RosBridge {
+    /// Declares the ports of the mappings. Joins nothing.
+    ///
+    /// # Errors
+    /// The reason that the messages of a mapping cannot be converted.
+    pub fn new(
+        transport: Box<dyn RosTransport>,
+        mapped: Vec<MappedTopic>,
+        interface: &mut Interface,
+    ) -> Result<Self, String> {
+        let is_also = |of: &MappedTopic, direction| {
+            let mut others = mapped.iter().filter(|it| it.direction == direction);
+            others.any(|other| other.joined_topics() == of.joined_topics())
+        };
+        let inbound = mapped
+            .iter()
+            .filter(|it| it.direction == RosDirection::FromRos);
+        let both = inbound.filter(|it| is_also(it, RosDirection::ToRos));
+        let echoes = both.filter_map(MappedTopic::joined_topics);
+        let echoes = echoes.map(|topics| (topics, Echoes::default())).collect();
+        let (mut to_ros, mut from_ros) = (Vec::new(), Vec::new());
+        for mapped in mapped {
+            let ros_schema = transport.schema(&mapped.kind)?;
+            let (name, schema) = (&mapped.port, mapped.schema.clone());
+            match mapped.direction {
+                RosDirection::ToRos => {
+                    let doc = format!("to the ROS topic `{}`", mapped.ros);
+                    let port = interface.input_of(name, schema, &doc);
+                    to_ros.push(Outbound {
+                        port,
+                        mapped,
+                        ros_schema,
+                        sequence: 0,
+                    });
+                }
+                RosDirection::FromRos => {
+                    let conversion = Conversion::between(&ros_schema, &schema, Use::Fill);
+                    let conversion = conversion.ok_or_else(|| {
+                        format!("`{}` of ROS does not become `{schema}`", mapped.kind)
+                    })?;
+                    let doc = format!("from the ROS topic `{}`", mapped.ros);
+                    let port = interface.output_of(name, schema, &doc);
+                    from_ros.push(Inbound {
+                        mapped,
+                        port,
+                        conversion,
+                    });
+                }
+            }
+        }
+        Ok(Self {
+            transport,
+            to_ros,
+            from_ros,
+            open: None,
+            echoes,
+            misfits: Misfits::default(),
+        })
+    }
+
+    /// Sends the samples of the inputs to ROS.
+    fn send_samples(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
+        for (outbound, sender) in self.to_ros.iter_mut().zip(&mut open.senders) {
+            let topics = outbound.mapped.joined_topics();
+            let mut echoes = topics.and_then(|topics| self.echoes.get_mut(&topics));
+            for sample in cycle.all(outbound.port).to_vec() {
+                if echoes.as_mut().is_some_and(|it| it.is_echo(&sample)) {
+                    continue;
+                }
+                let sent = outbound.message(sample).and_then(|it| sender.send(&it));
+                if let Err(reason) = sent {
+                    let at = (&outbound.mapped.port, &outbound.mapped.ros);
+                    self.misfits.count(at, &reason, cycle);
+                }
+            }
+        }
+    }
+
+    /// Writes the messages of ROS to the outputs.
+    fn write_messages(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
+        for (inbound, receiver) in self.from_ros.iter().zip(&mut open.receivers) {
+            for message in receiver.take() {
+                match inbound.sample(&message) {
+                    Ok(sample) => {
+                        let topics = inbound.mapped.joined_topics();
+                        if let Some(echoes) = topics.and_then(|it| self.echoes.get_mut(&it)) {
+                            echoes.written(&sample);
+                        }
+                        cycle.write(inbound.port, sample);
+                    }
+                    Err(reason) => {
+                        let at = (&inbound.mapped.port, &inbound.mapped.ros);
+                        self.misfits.count(at, &reason, cycle);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Component for RosBridge {
+    fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
+        self.open = None;
+        let Some(wake) = setup.waker() else {
+            return Err(Fault::new(
+                "a ros-bridge needs the wall clock: run without `--speed`, or in a profile without it",
+            ));
+        };
+        let mut connection = self.transport.join(wake).map_err(Fault::new)?;
+        let (mut senders, mut receivers) = (Vec::new(), Vec::new());
+        for outbound in &self.to_ros {
+            senders.push(connection.publish(&outbound.mapped).map_err(Fault::new)?);
+        }
+        for inbound in &self.from_ros {
+            receivers.push(connection.subscribe(&inbound.mapped).map_err(Fault::new)?);
+        }
+        self.open = Some(OpenConnection {
+            senders,
+            receivers,
+            connection,
+        });
+        Ok(())
+    }
+
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let Some(mut open) = self.open.take() else {
+            return Ok(());
+        };
+        for notice in open.connection.notices() {
+            cycle.report(NOTICE_REPORT, Datum::text(notice));
+        }
+        // first what arrived from the composite: it cannot contain a message that is written below
+        self.send_samples(&mut open, cycle);
+        self.write_messages(&mut open, cycle);
+        cycle.set_losses(open.losses(self.misfits.count));
+        self.open = Some(open);
+        Ok(())
+    }
+
+    fn stop(&mut self, cycle: &mut Cycle<'_>) {
+        // the last samples, such as safe samples of the components before it
+        if let Some(mut open) = self.open.take() {
+            self.send_samples(&mut open, cycle);
+            self.open = Some(open);
+        }
+    }
+
+    fn cleanup(&mut self) {
+        self.open = None;
+    }
+
+    fn exception(&mut self) {
+        self.open = None;
+    }
+}
+
+impl OpenConnection {
+    /// The losses of all mappings, with those of the bridge itself.
+    fn losses(&self, misfits: u64) -> Losses {
+        let senders = self.senders.iter().map(|it| it.losses());
+        let receivers = self.receivers.iter().map(|it| it.losses());
+        let none = Losses {
+            dropped: 0,
+            misfits,
+        };
+        senders.chain(receivers).fold(none, |sum, of| Losses {
+            dropped: sum.dropped + of.dropped,
+            misfits: sum.misfits + of.misfits,
+        })
+    }
+}
+
+impl Outbound {
+    /// The message of ROS for a sample: with the fields that only ROS has, and a sequence number in the header, as the clients of
+    /// ROS 1 put it there.
+    fn message(&mut self, sample: Datum) -> Result<Datum, String> {
+        let complete = self.ros_schema.complete(sample);
+        let mut message = complete.map_err(|error| error.to_string())?;
+        if let Some(sequence) =
+            field_mut(&mut message, "header").and_then(|it| field_mut(it, "seq"))
+        {
+            *sequence = Datum::Int(self.sequence.into());
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+        Ok(message)
+    }
+}
+
+impl Inbound {
+    /// The sample for a message of ROS.
+    fn sample(&self, message: &Datum) -> Result<Datum, String> {
+        let sample = self.conversion.apply(message);
+        let complete = self.mapped.schema.complete(sample);
+        complete.map_err(|error| error.to_string())
+    }
+}
+
+fn field_mut<'d>(record: &'d mut Datum, name: &str) -> Option<&'d mut Datum> {
+    let Datum::Record(fields) = record else {
+        return None;
+    };
+    let mut fields = fields.iter_mut();
+    fields
+        .find(|(field, _)| **field == *name)
+        .map(|(_, value)| value)
+}
+
+/// Messages that do not fit the other side.
+#[derive(Default)]
+struct Misfits {
+    count: u64,
+    /// Ports and causes that have been reported.
+    reported: BTreeSet<(String, String)>,
+}
+
+/// Number of different causes that are reported; later ones are counted only.
+const REPORTED: usize = 32;
+
+impl Misfits {
+    /// Counts a message, and reports it if the cause is new for the port.
+    fn count(&mut self, (port, ros): (&String, &String), reason: &str, cycle: &mut Cycle<'_>) {
+        self.count += 1;
+        let cause = (port.clone(), reason.to_owned());
+        if self.reported.len() < REPORTED && self.reported.insert(cause) {
+            let text = format!("a message between `{port}` and `{ros}` was dropped: {reason}");
+            cycle.report(NOTICE_REPORT, Datum::text(text));
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! A topic of a composite and a topic of ROS that a bridge joins.
+
+use asmotion_datum::Schema;
+
+/// A mapping between a port of the bridge and a topic of ROS.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MappedTopic {
+    /// Port of the bridge.
+    pub port: String,
+    /// Topic of the composite that the port is on; `None` if the port is connected directly.
+    pub topic: Option<String>,
+    /// Schema of the port.
+    pub schema: Schema,
+    /// Topic of ROS, such as `/plan`.
+    pub ros: String,
+    /// Type in ROS, such as `nav_msgs/Path`.
+    pub kind: String,
+    /// Messages that wait for each subscriber, or for the bridge; then the oldest one is dropped.
+    pub queue: usize,
+    /// Whether new subscribers in ROS receive the last message.
+    pub is_latched: bool,
+    /// Direction of the messages.
+    pub direction: RosDirection,
+}
+
+/// A topic of the composite and a topic of ROS.
+pub(crate) type JoinedTopics = (String, String);
+
+impl MappedTopic {
+    /// The topics that it joins; `None` if the port is on no topic.
+    pub(crate) fn joined_topics(&self) -> Option<JoinedTopics> {
+        Some((self.topic.clone()?, self.ros.clone()))
+    }
+}
+
+/// Direction of the messages of a mapping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RosDirection {
+    /// From the composite to ROS.
+    ToRos,
+    /// From ROS to the composite.
+    FromRos,
+}

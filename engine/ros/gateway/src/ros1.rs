@@ -1,0 +1,195 @@
+//! Nodes of ROS 1.
+
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use asmotion_bus::{Notifier, Overflow, QueuePolicy, Subscription};
+use asmotion_component::Losses;
+use asmotion_datum::{Datum, Schema};
+use asmotion_ros_interface::Catalogue;
+use asmotion_ros1::{RosNotice, RosSettings, RosUri, TopicType};
+
+use crate::mapped::MappedTopic;
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};
+
+/// Settings of a node of ROS 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ros1Settings {
+    /// Name of the node.
+    pub node: String,
+    /// Address of the master, such as `http://127.0.0.1:11311`.
+    pub master: String,
+    /// Host or IP address at which other nodes reach this machine.
+    pub host: String,
+}
+
+/// Reaches the nodes that a master of ROS 1 knows.
+pub struct Ros1Transport {
+    settings: Ros1Settings,
+    catalogue: Arc<Catalogue>,
+}
+
+impl Ros1Transport {
+    /// Reaches the nodes of a master, whose messages have these definitions.
+    pub fn new(settings: Ros1Settings, catalogue: Arc<Catalogue>) -> Self {
+        Self {
+            settings,
+            catalogue,
+        }
+    }
+}
+
+/// The type of a topic.
+fn topic_type(catalogue: &Catalogue, kind: &str) -> Result<TopicType, String> {
+    let name = kind.parse().map_err(|error| format!("{error}"))?;
+    TopicType::of(catalogue, &name).map_err(|error| error.to_string())
+}
+
+impl RosTransport for Ros1Transport {
+    fn schema(&self, kind: &str) -> Result<Schema, String> {
+        topic_type(&self.catalogue, kind).map(|of| (*of.schema).clone())
+    }
+
+    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
+        let Ros1Settings { node, master, host } = &self.settings;
+        let master: RosUri = master.parse().map_err(|error| format!("{error}"))?;
+        let notices = Arc::new(Notices::default());
+        let (kept, woken) = (Arc::clone(&notices), Arc::clone(&wake));
+        let settings = RosSettings {
+            master,
+            host: host.clone(),
+            notices: Arc::new(move |notice| {
+                if kept.keep(notice) {
+                    woken();
+                }
+            }),
+            ..RosSettings::new(node.clone())
+        };
+        let node = asmotion_ros1::RosNode::start(settings).map_err(|error| error.to_string())?;
+        Ok(Box::new(Ros1Connection {
+            name: node.name().to_string().into(),
+            node: Arc::new(node),
+            catalogue: Arc::clone(&self.catalogue),
+            wake,
+            notices,
+        }))
+    }
+}
+
+struct Ros1Connection {
+    // shared with the subscriptions, which ask for its counts
+    node: Arc<asmotion_ros1::RosNode>,
+    name: Arc<str>,
+    catalogue: Arc<Catalogue>,
+    wake: Wake,
+    notices: Arc<Notices>,
+}
+
+impl RosConnection for Ros1Connection {
+    fn publish(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageSender>, String> {
+        let of = topic_type(&self.catalogue, &topic.kind)?;
+        let (queue, is_latched) = (topic.queue, topic.is_latched);
+        let publisher = self.node.publisher(&topic.ros, of, queue, is_latched);
+        Ok(Box::new(Ros1Sender(
+            publisher.map_err(|it| it.to_string())?,
+        )))
+    }
+
+    fn subscribe(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageReceiver>, String> {
+        let of = topic_type(&self.catalogue, &topic.kind)?;
+        let queue = QueuePolicy::All {
+            size: topic.queue,
+            overflow: Overflow::DropOldest,
+        };
+        let wake = Arc::clone(&self.wake);
+        let notifier = Arc::new(Notifier::calling(move || wake()));
+        let subscription = self.node.subscribe(&topic.ros, Some(of), queue, notifier);
+        Ok(Box::new(Ros1Receiver {
+            subscription: subscription.map_err(|it| it.to_string())?,
+            node: Arc::clone(&self.node),
+            topic: topic.ros.clone(),
+            own: Arc::clone(&self.name),
+        }))
+    }
+
+    fn notices(&mut self) -> Vec<String> {
+        self.notices.take()
+    }
+}
+
+struct Ros1Sender(asmotion_ros1::RosPublisher);
+
+impl MessageSender for Ros1Sender {
+    fn send(&mut self, message: &Datum) -> Result<(), String> {
+        self.0.publish(message).map_err(|error| error.to_string())
+    }
+
+    fn losses(&self) -> Losses {
+        Losses {
+            dropped: self.0.counts().dropped,
+            misfits: 0,
+        }
+    }
+}
+
+struct Ros1Receiver {
+    subscription: Subscription,
+    node: Arc<asmotion_ros1::RosNode>,
+    topic: String,
+    /// Name of the bridge's node, whose own messages do not come back.
+    own: Arc<str>,
+}
+
+impl MessageReceiver for Ros1Receiver {
+    fn take(&mut self) -> Vec<Datum> {
+        let arrived = std::iter::from_fn(|| self.subscription.try_next());
+        let others = arrived.filter(|envelope| envelope.source != self.own);
+        // the node has decoded them: what cannot be decoded is among its counts
+        others
+            .filter_map(|envelope| envelope.payload.to_datum().ok())
+            .collect()
+    }
+
+    fn losses(&self) -> Losses {
+        let counts = self.node.subscription_counts(&self.topic);
+        Losses {
+            dropped: self.subscription.dropped(),
+            misfits: counts.ok().flatten().map_or(0, |counts| counts.unreadable),
+        }
+    }
+}
+
+/// Events of the node that the bridge has not reported, and the causes that it has.
+#[derive(Default)]
+struct Notices(Mutex<KeptNotices>);
+
+#[derive(Default)]
+struct KeptNotices {
+    waiting: Vec<String>,
+    /// Causes since the node was last registered: a failure that repeats is reported once.
+    reported: BTreeSet<String>,
+}
+
+/// Number of different causes that are kept; later ones are not reported.
+const KEPT: usize = 64;
+
+impl Notices {
+    /// Keeps a notice, unless it repeats another. Returns whether it is new.
+    fn keep(&self, notice: &RosNotice) -> bool {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = notice.to_string();
+        if let RosNotice::Registered { .. } = notice {
+            kept.reported.clear();
+        }
+        if kept.reported.len() >= KEPT || !kept.reported.insert(text.clone()) {
+            return false;
+        }
+        kept.waiting.push(text);
+        true
+    }
+
+    fn take(&self) -> Vec<String> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut kept.waiting)
+    }
+}

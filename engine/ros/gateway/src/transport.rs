@@ -1,0 +1,66 @@
+//! How a bridge reaches the nodes of ROS; each generation of ROS implements it.
+
+use std::sync::Arc;
+
+use asmotion_component::Losses;
+use asmotion_datum::{Datum, Schema};
+
+use crate::mapped::MappedTopic;
+
+/// Requests a cycle of the bridge, from any thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// How a bridge reaches the nodes of ROS.
+pub trait RosTransport: Send {
+    /// The schema of a message type in ROS, with the fields that only this generation of ROS has.
+    ///
+    /// # Errors
+    /// The reason that the type is not known.
+    fn schema(&self, kind: &str) -> Result<Schema, String>;
+
+    /// Starts a node. It joins when the graph can be reached, and again when it comes back; until then messages are lost, and
+    /// counted.
+    ///
+    /// # Errors
+    /// The reason that no node can be started: a name is not one, or the operating system refuses sockets or threads.
+    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String>;
+}
+
+/// A node of a bridge in the graph of ROS. Dropping it leaves the graph.
+pub trait RosConnection: Send {
+    /// Publishes a topic.
+    ///
+    /// # Errors
+    /// The reason that the topic cannot be published, such as a name that is not one.
+    fn publish(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageSender>, String>;
+
+    /// Subscribes to a topic, without the messages of this node. The node wakes the bridge when messages have arrived.
+    ///
+    /// # Errors
+    /// As [`publish`](Self::publish).
+    fn subscribe(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageReceiver>, String>;
+
+    /// Takes the events in the life of the node, for the person who runs the system.
+    fn notices(&mut self) -> Vec<String>;
+}
+
+/// Sends the messages of a topic.
+pub trait MessageSender: Send {
+    /// Sends a message of the topic's schema in ROS. Does not block: it is dropped, and counted, where it cannot be sent.
+    ///
+    /// # Errors
+    /// The reason that the message cannot be encoded.
+    fn send(&mut self, message: &Datum) -> Result<(), String>;
+
+    /// Messages dropped so far.
+    fn losses(&self) -> Losses;
+}
+
+/// Receives the messages of a topic.
+pub trait MessageReceiver: Send {
+    /// Takes the messages that have arrived, the oldest first.
+    fn take(&mut self) -> Vec<Datum>;
+
+    /// Messages dropped, and messages that could not be decoded, so far.
+    fn losses(&self) -> Losses;
+}

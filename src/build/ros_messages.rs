@@ -1,0 +1,56 @@
+//! Message types of ROS for composites.
+
+use std::sync::{Arc, LazyLock};
+
+use asmotion_composite::model::BridgeKind;
+use asmotion_composite::{RosMessage, RosMessages};
+use asmotion_datum::Schema;
+use asmotion_ros_interface::{Catalogue, Distribution, InterfaceKind};
+
+/// The definitions of ROS 1, read once.
+static NOETIC: LazyLock<Arc<Catalogue>> =
+    LazyLock::new(|| Arc::new(Catalogue::included(Distribution::Ros1)));
+
+/// The definitions of ROS 2, read once.
+static JAZZY: LazyLock<Catalogue> = LazyLock::new(|| Catalogue::included(Distribution::Ros2));
+
+/// The definitions of ROS 1.
+pub(crate) fn noetic() -> Arc<Catalogue> {
+    Arc::clone(&NOETIC)
+}
+
+/// The message types for bridges of a kind; `None` if this build does not connect them.
+pub(super) fn of(kind: BridgeKind) -> Option<&'static dyn RosMessages> {
+    match kind {
+        BridgeKind::Ros1 => Some(&Noetic),
+        BridgeKind::Ros2 | BridgeKind::Rosbridge => None,
+    }
+}
+
+/// The message types of ROS 1.
+struct Noetic;
+
+impl RosMessages for Noetic {
+    fn names(&self) -> Vec<String> {
+        let all = NOETIC.interfaces();
+        let messages = all.filter(|(name, _)| name.kind() == InterfaceKind::Message);
+        messages.map(|(name, _)| name.short()).collect()
+    }
+
+    fn find(&self, name: &str) -> Option<RosMessage> {
+        let name = name.parse().ok()?;
+        Some(RosMessage {
+            schema: NOETIC.common_schema(&name).ok()?,
+            definition: NOETIC.interface(&name).ok()?.to_string(),
+        })
+    }
+}
+
+/// The schema of a message type that only ROS defines, for topics of composites: as in ROS 2, or else as in ROS 1.
+pub(super) fn schema(name: &str) -> Option<Schema> {
+    let name = name.parse().ok()?;
+    let in_both = [&*JAZZY, &**NOETIC].into_iter();
+    in_both
+        .filter_map(|catalogue| catalogue.common_schema(&name).ok())
+        .next()
+}

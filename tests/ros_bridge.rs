@@ -1,0 +1,275 @@
+//! Composites that join a system of ROS 1 through a ros-bridge: nodes of rospy, and a real master.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+
+use asmotion_ros_master::{Master, SOON};
+use serde_json::json;
+
+fn composite(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/ros_bridge/{name}.composite.toml"))
+}
+
+/// A running composite, with the lines of its story and of its summary.
+struct Mission {
+    child: Child,
+    lines: Receiver<String>,
+}
+
+impl Mission {
+    fn start(master: &Master, name: &str) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command
+            .arg("run")
+            .arg(composite(name))
+            .args(["--clock", "wall", "--for", "120"])
+            .env("ROS_MASTER_URI", master.uri())
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let output = child.stderr.take().unwrap();
+        let (sender, lines) = channel();
+        std::thread::spawn(move || {
+            for line in BufReader::new(output).lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { child, lines }
+    }
+
+    /// The next line of the story with this text.
+    fn line(&self, text: &str) -> String {
+        let mut before = Vec::new();
+        loop {
+            match self.lines.recv_timeout(SOON) {
+                Ok(line) if line.contains(text) => return line,
+                Ok(line) => before.push(line),
+                Err(_) => panic!("no line with `{text}`, only {before:#?}"),
+            }
+        }
+    }
+}
+
+impl Drop for Mission {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+const LIMIT: &str = "/speed_limit";
+const INT: &str = "std_msgs/Int32";
+const BOOL: &str = "std_msgs/Bool";
+const EMPTY: &str = "std_msgs/Empty";
+
+#[test]
+fn r2_an_emergency_stop_serves_a_robot_of_ros() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let mut robot = master.rospy("/driver");
+    robot.subscribe(LIMIT, INT);
+    let mission = Mission::start(&master, "estop");
+    mission.line("registered at the ROS master");
+    // latched: it starts with the limit 0
+    let (message, publisher) = robot.message(LIMIT);
+    assert_eq!(
+        (message, &*publisher),
+        (json!({"data": 0}), "/asmotion/estop")
+    );
+    for (topic, kind) in [
+        ("/estop/reset", EMPTY),
+        ("/estop/confirm", EMPTY),
+        ("/estop/button", BOOL),
+    ] {
+        robot.advertise(topic, kind, 1);
+    }
+    let await_limit = |robot: &mut asmotion_ros_master::RospyNode, limit: i32| {
+        while robot.message(LIMIT).0 != json!({"data": limit}) {}
+    };
+    robot.publish("/estop/reset", EMPTY, json!({}));
+    mission.line("LATCHED → ARMED");
+    robot.publish("/estop/confirm", EMPTY, json!({}));
+    await_limit(&mut robot, 2);
+    robot.publish("/estop/button", BOOL, json!({"data": true}));
+    await_limit(&mut robot, 0);
+    // R1: the tools of ROS see the node and its topics
+    let listed = master.tool("rosnode", &["list"]);
+    assert!(
+        listed.lines().any(|node| node == "/asmotion/estop"),
+        "{listed}"
+    );
+    let info = master.tool("rostopic", &["info", LIMIT]);
+    assert!(
+        info.contains("Type: std_msgs/Int32") && info.contains("* /asmotion/estop"),
+        "{info}"
+    );
+}
+
+const TEXT: &str = "std_msgs/String";
+
+#[test]
+fn r10_a_topic_mapped_both_ways_does_not_storm() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let (mut one, mut other) = (master.rospy("/one"), master.rospy("/other"));
+    let mission = Mission::start(&master, "words");
+    mission.line("registered at the ROS master");
+    other.subscribe("/word", TEXT);
+    other.subscribe("/out", TEXT);
+    one.advertise("/word", TEXT, 2);
+    one.advertise("/in", TEXT, 1);
+    other.obey(json!(["connections", "/word", 2]));
+    other.obey(json!(["connections", "/out", 1]));
+    for word in ["first", "ping", "ping", "last"] {
+        one.publish("/word", TEXT, json!({"data": word}));
+    }
+    // a relay: another topic of ROS, so nothing is suppressed, and all of the above is over
+    one.publish("/in", TEXT, json!({"data": "over"}));
+    assert_eq!(
+        other.message("/out"),
+        (json!({"data": "over"}), "/words_RosBridge".to_owned())
+    );
+    let heard: Vec<_> = (0..6).map(|_| other.message("/word")).collect();
+    let of = |node: &str| -> Vec<_> {
+        let words = heard.iter().filter(|(_, publisher)| publisher == node);
+        words
+            .map(|(word, _)| word["data"].as_str().unwrap())
+            .collect()
+    };
+    assert_eq!(of("/one"), ["first", "ping", "ping", "last"]);
+    assert_eq!(of("/words_RosBridge"), ["pong", "pong"]);
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert_eq!(other.waiting("/word"), 0);
+}
+
+#[test]
+fn r9_messages_pass_with_stamps_frames_and_without_code() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let mut peer = master.rospy("/peer");
+    let mission = Mission::start(&master, "words");
+    mission.line("registered at the ROS master");
+    let pose = json!({
+        "header": {"seq": 77, "stamp": {"secs": 12, "nsecs": 345}, "frame_id": "map"},
+        "pose": {"position": {"x": 1.5, "y": -2.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}},
+    });
+    let data: Vec<i8> = (0..160_000u32).map(|cell| (cell % 101) as i8).collect();
+    let grid = json!({
+        "header": {"seq": 1, "stamp": {"secs": 3, "nsecs": 0}, "frame_id": "map"},
+        "info": {"map_load_time": {"secs": 1, "nsecs": 2}, "resolution": 0.5, "width": 400, "height": 400,
+            "origin": {"position": {"x": 0.0, "y": 0.0, "z": 0.0}, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}},
+        "data": data,
+    });
+    for (from, to, kind, message) in [
+        ("/pose", "/pose_out", "geometry_msgs/PoseStamped", pose),
+        ("/grid", "/grid_out", "nav_msgs/OccupancyGrid", grid),
+    ] {
+        peer.subscribe(to, kind);
+        peer.obey(json!(["connections", to, 1]));
+        peer.advertise(from, kind, 1);
+        for count in 0..3 {
+            peer.publish(from, kind, message.clone());
+            let mut expected = message.clone();
+            // publishers count
+            expected["header"]["seq"] = json!(count);
+            let (mut found, _) = peer.message(to);
+            // rospy counts from 1, roscpp from 0, and nothing depends on the first
+            assert_eq!(found["header"]["seq"], json!(count), "{to}");
+            found["header"]["seq"] = json!(count);
+            assert_eq!(found, expected, "{to}");
+        }
+    }
+}
+
+#[test]
+fn r6_a_bridge_waits_for_the_master_and_comes_back_to_it() {
+    let Some(mut master) = Master::start() else {
+        return;
+    };
+    master.kill();
+    let mission = Mission::start(&master, "words");
+    let line = mission.line("not registered at the ROS master");
+    assert!(
+        line.contains(&format!("127.0.0.1:{}", master.port)),
+        "{line}"
+    );
+    for _ in 0..2 {
+        master.restart();
+        mission.line("registered at the ROS master");
+        let mut peer = master.rospy("/peer");
+        peer.subscribe("/out", TEXT);
+        peer.obey(json!(["connections", "/out", 1]));
+        peer.advertise("/in", TEXT, 1);
+        peer.publish("/in", TEXT, json!({"data": "again"}));
+        assert_eq!(peer.message("/out").0, json!({"data": "again"}));
+        master.kill();
+        mission.line("not registered at the ROS master");
+    }
+}
+
+#[test]
+fn r10_a_slow_subscriber_loses_the_oldest_messages() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let mut fast = master.rospy("/fast");
+    let mut slow = master.rospy("/slow");
+    let mission = Mission::start(&master, "words");
+    mission.line("registered at the ROS master");
+    for peer in [&mut fast, &mut slow] {
+        peer.subscribe("/out", TEXT);
+        peer.obey(json!(["connections", "/out", 1]));
+    }
+    fast.advertise("/in", TEXT, 1);
+    slow.pause();
+    let long = "x".repeat(100_000);
+    const COUNT: usize = 200;
+    for number in 0..COUNT {
+        fast.publish("/in", TEXT, json!({"data": format!("{number} {long}")}));
+        let (word, _) = fast.message("/out");
+        assert!(
+            word["data"]
+                .as_str()
+                .unwrap()
+                .starts_with(&format!("{number} "))
+        );
+    }
+    slow.go_on();
+    // a few are in the buffers of the kernel, and four in the queue; the newest is among them
+    let mut received = Vec::new();
+    while received.last() != Some(&(COUNT - 1)) {
+        let (word, _) = slow.message("/out");
+        let number = word["data"].as_str().unwrap().split(' ').next().unwrap();
+        received.push(number.parse::<usize>().unwrap());
+    }
+    assert!(received.len() < COUNT, "{received:?}");
+    assert!(received.is_sorted_by(|a, b| a < b), "{received:?}");
+    assert!(
+        received.ends_with(&[COUNT - 4, COUNT - 3, COUNT - 2, COUNT - 1]),
+        "{received:?}"
+    );
+}
+
+#[test]
+fn r6_a_bridge_needs_the_wall_clock() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command
+        .arg("run")
+        .arg(composite("words"))
+        .args(["--speed", "0"]);
+    let output = command
+        .env("ROS_MASTER_URI", "http://127.0.0.1:1/")
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{text}");
+    assert!(text.contains("a ros-bridge needs the wall clock"), "{text}");
+}
