@@ -193,7 +193,7 @@ struct ObservedFunction {
 /// The specification of an observer, in the making.
 struct Draft<'a> {
     names: &'a [String],
-    /// What the name of each machine becomes as a part of function names; it has the same length.
+    /// For each machine, the prefix of its functions in the observer: its name as an identifier, with the same length.
     prefixes: Vec<String>,
     observed: BTreeMap<(usize, FunctionId), ObservedFunction>,
     functions: Vec<String>,

@@ -144,7 +144,7 @@ default init s0:
     machine(own, &text)
 }
 
-/// What the observer says is what a specification says that reads the functions by name.
+/// A property over several machines has the verdict that it has in a specification that reads their functions.
 #[test]
 fn an_observer_says_what_a_watching_specification_says() {
     let conditions = ["one < two", "one <= two", "one != two + 1", "true"];

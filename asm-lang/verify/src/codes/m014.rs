@@ -46,7 +46,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[error("`{function}` takes a new value in every step")]
 pub(crate) struct SteadyGrowth {
     pub function: String,
-    /// The update.
+    /// Place of the update that adds a constant in every step.
     pub at: Span,
     pub declared: Span,
 }

@@ -17,7 +17,7 @@ pub struct MappedTopic {
     pub kind: String,
     /// Messages that wait for each subscriber, or for the bridge; then the oldest one is dropped.
     pub queue: usize,
-    /// Whether new subscribers in ROS receive the last message.
+    /// `true` to send the last message to subscribers in ROS that join later.
     pub is_latched: bool,
     /// Direction of the messages.
     pub direction: RosDirection,

@@ -306,7 +306,7 @@ fn parsed(line: &str) -> Value {
 
 /// A node of this library, and its notices.
 pub struct TestNode {
-    /// The node.
+    /// The node itself, which may not be registered yet.
     pub node: RosNode,
     notices: Arc<Mutex<Vec<RosNotice>>>,
 }

@@ -94,7 +94,7 @@ impl ActionClient {
         })
     }
 
-    /// Whether a goal would reach a server: one has sent a status, and receives goals and cancellations.
+    /// Returns `true` if goals reach a server: one has sent a status, and is subscribed to goals and cancellations.
     pub fn is_connected(&self) -> bool {
         let Some((server, _)) = &self.server else {
             return false;

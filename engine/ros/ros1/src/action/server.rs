@@ -22,7 +22,7 @@ const QUEUE: usize = 100;
 const MAX_GOALS: usize = 100;
 /// Period of the statuses, in nanoseconds: 5 Hz, as actionlib does.
 const STATUS_PERIOD: i64 = 200_000_000;
-/// Time for which the status of a goal is told after its end, in nanoseconds.
+/// Time for which the status of a goal is published after its end, in nanoseconds.
 const MEMORY: i64 = 5_000_000_000;
 
 /// Receives goals and tells what becomes of them. Never blocks: requests arrive when [`update`](Self::update) is called.
