@@ -118,6 +118,30 @@ fn n9_it_plans_anew_where_the_corridor_is_closed() {
     insta::assert_snapshot!(story);
 }
 
+/// A site leaves one of two writers of a topic out. The events of the other one still arrive.
+#[test]
+fn o13_a_site_leaves_one_writer_of_a_topic_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let site = |without: &str| {
+        let text = format!(
+            "schema = \"composite/1\"\nbase = {:?}\nwithout = [{without}]\n",
+            navigation().join("navigation.composite.toml")
+        );
+        let path = folder.path().join("site.composite.toml");
+        std::fs::write(&path, text).unwrap();
+        let mut mission = mission(&[TO_LOBBY], CLOSED_CORRIDOR);
+        mission.composite = path.display().to_string();
+        mission.limit = Some(std::time::Duration::from_secs(150));
+        tell(&mission).1.summary.received
+    };
+    let both = site("");
+    assert!(both.of("event BLOCKED") > 0 && both.of("event REACHED") == 1);
+    let follower = site(r#""connections.TrajectoryAdapter.event -> topic:event""#);
+    assert_eq!(follower.of("event BLOCKED"), 0);
+    let adapter = site(r#""connections.TrajectoryFollower.event""#);
+    assert!(adapter.of("event BLOCKED") > 0 && adapter.of("event REACHED") == 0);
+}
+
 /// A pillar that appears a hand's breadth in front of the rover, which cannot brake in time.
 const SUDDEN_PILLAR: &str = r#"[{ "at_s": 12.0, "frame": "robot", "disc": [0.31, 0.0, 0.05] }]"#;
 

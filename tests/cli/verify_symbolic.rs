@@ -58,13 +58,11 @@ fn memory_that_is_not_sufficient_leaves_properties_unknown() {
         .iter()
         .map(|it| format!("  controlled {it}: Wide\n"))
         .collect();
-    let products: Vec<String> = names
-        .windows(2)
-        .map(|pair| {
-            format!(
-                "    {} := ({} * {} + 7) mod 4096\n",
-                pair[0], pair[0], pair[1]
-            )
+    // operands that are far from each other in the order of variables
+    let products: Vec<String> = (0..23)
+        .map(|index| {
+            let other = (index + 12) % 24;
+            format!("    a{index} := (a{index} * a{other} + 7) mod 128\n")
         })
         .collect();
     let initial: Vec<String> = names
@@ -73,7 +71,7 @@ fn memory_that_is_not_sufficient_leaves_properties_unknown() {
         .collect();
     let text = format!(
         "asm products\nimport StandardLibrary\nsignature:\n  domain Wide subsetof Integer\n  monitored next: Wide\n{}definitions:\n  \
-         domain Wide = {{0:4095}}\n  invariant small over a0: a0 < 4096\n  main rule r_Main = par\n{}    a23 := next\n  endpar\n\
+         domain Wide = {{0:127}}\n  invariant small over a0: a0 < 128\n  main rule r_Main = par\n{}    a23 := next\n  endpar\n\
          default init s0:\n{}",
         declared.concat(),
         products.concat(),

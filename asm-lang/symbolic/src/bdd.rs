@@ -23,6 +23,8 @@ pub(crate) struct Renaming(Option<Subst<BDDFunction>>);
 pub(crate) struct BddStore {
     manager: BDDManagerRef,
     capacity: usize,
+    /// Number of nodes from which on the manager removes unused functions by itself.
+    high_water: usize,
     always: Bdd,
     never: Bdd,
 }
@@ -48,6 +50,7 @@ impl BddStore {
         Self {
             manager,
             capacity,
+            high_water: capacity / 100 * 95,
             always,
             never,
         }
@@ -91,18 +94,31 @@ impl BddStore {
         Ok(all)
     }
 
-    /// Executes an operation; if the memory is full, once more after a collection of unused functions.
+    /// Executes an operation. If it needs almost all of the memory, unused functions are removed and it is executed again.
+    ///
+    /// The manager has a thread that removes unused functions while an operation runs, from a number of nodes on. Whether an
+    /// operation that reaches this number succeeds depends on the speed of that thread. It is therefore considered to have failed,
+    /// so that every run comes to the same result.
     fn run(&self, operation: impl Fn() -> AllocResult<BDDFunction>) -> Result<Bdd, SymbolicError> {
-        if let Ok(function) = operation() {
-            return Ok(Bdd(function));
+        // the thread may still be busy with the attempt before the last one
+        for _ in 0..3 {
+            let collections = self.collections();
+            let function = operation();
+            let is_full = self.nodes() >= self.high_water || self.collections() != collections;
+            if let Ok(function) = function
+                && !is_full
+            {
+                return Ok(Bdd(function));
+            }
+            self.collect();
         }
-        self.collect();
-        operation().map(Bdd).map_err(|_| SymbolicError::Memory)
+        Err(SymbolicError::Memory)
     }
 
     /// Removes unused functions.
     fn collect(&self) {
-        self.manager.with_manager_shared(|it| it.gc());
+        // excludes the thread of the manager, during whose collection another one does nothing
+        self.manager.with_manager_exclusive(|it| it.gc());
     }
 
     /// Removes unused functions if there are many functions.
@@ -110,6 +126,11 @@ impl BddStore {
         if self.nodes() > self.capacity / 4 * 3 {
             self.collect();
         }
+    }
+
+    /// Returns the number of collections of unused functions so far.
+    fn collections(&self) -> u64 {
+        self.manager.with_manager_shared(|it| it.gc_count())
     }
 
     /// Returns the number of nodes of all functions.

@@ -1,6 +1,7 @@
 //! Loads a composite together with its nested composites, message types and specifications.
 
 mod layers;
+mod removal;
 
 use crate::codes::c002::UnreadableComposite;
 use crate::codes::c080::CircularInclusion;

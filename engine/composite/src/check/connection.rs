@@ -167,7 +167,7 @@ fn beyond(terminal: &Terminal) -> Option<&'static str> {
     }
 }
 
-/// A valid end of a connection: it exists, is active and has the required direction.
+/// A valid end of a connection: it exists, is active and has the required direction, as far as these are known.
 struct JoinedEnd<'s> {
     terminal: &'s Terminal,
     kind: Option<TypeAt>,
@@ -189,6 +189,12 @@ fn terminals<'s>(
             continue;
         };
         let Some((part, way, port)) = scene.port(end, wanted, report) else {
+            if scene.has_unknown_ports(&end.component) {
+                joints.push(JoinedEnd {
+                    terminal,
+                    kind: None,
+                });
+            }
             continue;
         };
         if way != wanted {

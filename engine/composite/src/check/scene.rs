@@ -92,6 +92,12 @@ impl<'s> CheckedComposite<'s> {
         found
     }
 
+    /// Returns whether a component is active and its ports are not known, as for one of another robot that was not asked.
+    pub(crate) fn has_unknown_ports(&self, name: &At<String>) -> bool {
+        let mut parts = self.parts.iter();
+        parts.any(|part| part.component.name.value == name.value && part.face.blank)
+    }
+
     /// Reports an unknown component name.
     pub(crate) fn unknown_component(&self, name: &At<String>, report: &mut Report) {
         let components = self.composite.components.iter();

@@ -32,6 +32,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// base = "base.toml"
 /// without = ["components.Joystick"]
 /// ```
+/// An element of a nested composite belongs to the file of that composite. Write a composite that has this file as its `base`
+/// and leaves the element out, and set `implementation.composite` of the component to it.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C129, error)]
 #[error("`{base}` has no `{path}`")]
@@ -39,14 +41,31 @@ pub(crate) struct NothingToLeaveOut {
     pub path: String,
     pub at: Span,
     pub base: String,
-    pub nearest: Option<Nearest>,
+    pub reason: Missing,
+}
+
+/// Reason for which there is nothing to leave out.
+#[derive(Debug)]
+pub(crate) enum Missing {
+    /// There is no such element.
+    Unknown(Option<Nearest>),
+    /// It belongs to the composite in this file, which implements the component at `component`.
+    Nested { component: String, file: String },
 }
 
 impl Finding for NothingToLeaveOut {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let way_out = "name the keys that lead to it, separated by dots".to_owned();
-        diagnostic
-            .label(self.at, "not in the base")
-            .suggest_or(self.at, &self.nearest, way_out)
+        match &self.reason {
+            Missing::Unknown(nearest) => {
+                let way_out = "name the keys that lead to it, separated by dots";
+                let diagnostic = diagnostic.label(self.at, "not in the base");
+                diagnostic.suggest_or(self.at, nearest, way_out)
+            }
+            Missing::Nested { component, file } => diagnostic
+                .label(self.at, format!("belongs to `{file}`"))
+                .help(format!(
+                    "leave it out in a composite with `base = \"{file}\"`, and set `{component}.implementation.composite` to that one"
+                )),
+        }
     }
 }

@@ -3,15 +3,19 @@
 
 use crate::codes::c048::IdleKey;
 use crate::codes::c080::CircularInclusion;
-use crate::codes::c129::NothingToLeaveOut;
+use crate::codes::c129::{Missing, NothingToLeaveOut};
 use asmotion_diagnostics::Span;
 
 use super::Visit;
+use super::removal::{self, NotRemoved};
 use crate::at::At;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
 use crate::read;
 use crate::tree::{Branch, Node, Table};
+
+/// Keys that a file does not inherit from its base.
+const OF_EACH_FILE: [&str; 3] = ["schema", "base", "without"];
 
 impl Visit<'_, '_> {
     /// Returns the tree of a composite file merged with its base and the property files of its components.
@@ -66,14 +70,30 @@ impl Visit<'_, '_> {
     /// Removes what a file leaves out of its base, and reports what the base does not have.
     fn leave_out(&mut self, table: &Table, base: &str, under: &mut Table) {
         for path in texts_at(table, "without") {
-            if let Err(known) = under.remove(&path) {
-                self.report.found(NothingToLeaveOut {
-                    nearest: nearest_name(&path, known.iter().map(String::as_str)),
-                    path: path.value,
+            if let Some(key) = OF_EACH_FILE.iter().find(|it| **it == path.value) {
+                let reason = "no file inherits this key from its base";
+                self.report.found(IdleKey {
+                    key,
                     at: path.span,
-                    base: base.to_owned(),
+                    reason,
                 });
+                continue;
             }
+            let Err(reason) = removal::remove(under, &path.value) else {
+                continue;
+            };
+            let reason = match reason {
+                NotRemoved::Missing(known) => {
+                    Missing::Unknown(nearest_name(&path, known.iter().map(String::as_str)))
+                }
+                NotRemoved::Nested { component, file } => Missing::Nested { component, file },
+            };
+            self.report.found(NothingToLeaveOut {
+                path: path.value,
+                at: path.span,
+                base: base.to_owned(),
+                reason,
+            });
         }
     }
 
