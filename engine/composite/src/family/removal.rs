@@ -96,15 +96,16 @@ fn remove_from(items: &mut Vec<Node>, selector: &str) -> Result<(), NotRemoved> 
     let mut is_removed = false;
     let mut left = Vec::with_capacity(items.len());
     for item in items.iter() {
-        let rest = match &item.value {
-            Branch::Table(table) => without(table, first, second).map(|tables| {
+        let rest = if let Branch::Table(table) = &item.value {
+            without(table, first, second).map(|tables| {
                 let nodes = tables.into_iter().map(|table| Node {
                     span: item.span,
                     value: Branch::Table(table),
                 });
                 nodes.collect()
-            }),
-            other => (other.text() == Some(selector)).then(Vec::new),
+            })
+        } else {
+            (item.value.text() == Some(selector)).then(Vec::new)
         };
         match rest {
             Some(rest) => {
@@ -118,9 +119,12 @@ fn remove_from(items: &mut Vec<Node>, selector: &str) -> Result<(), NotRemoved> 
         *items = left;
         return Ok(());
     }
-    let known = items.iter().flat_map(|item| match &item.value {
-        Branch::Table(table) => selectors(table, second.is_some()),
-        other => other.text().map(str::to_owned).into_iter().collect(),
+    let known = items.iter().flat_map(|item| {
+        if let Branch::Table(table) = &item.value {
+            selectors(table, second.is_some())
+        } else {
+            item.value.text().map(str::to_owned).into_iter().collect()
+        }
     });
     Err(NotRemoved::Missing(known.collect()))
 }
@@ -173,9 +177,11 @@ fn ends(entry: &Entry) -> Vec<&str> {
     if SETTINGS.contains(&entry.key.value.as_str()) {
         return Vec::new();
     }
-    match &entry.node.value {
-        Branch::List(items) => items.iter().filter_map(|item| item.value.text()).collect(),
-        other => other.text().into_iter().collect(),
+    let value = &entry.node.value;
+    if let Branch::List(items) = value {
+        items.iter().filter_map(|item| item.value.text()).collect()
+    } else {
+        value.text().into_iter().collect()
     }
 }
 
@@ -250,16 +256,18 @@ components = ["Joystick", "Monitor"]
     }
 
     fn value(branch: &Branch, path: &str, lines: &mut Vec<String>) {
-        match branch {
-            Branch::Table(table) => list(table, &format!("{path}."), lines),
-            Branch::List(items) if items.iter().all(|it| it.value.text().is_some()) => {
-                let items: Vec<_> = items.iter().filter_map(|it| it.value.text()).collect();
-                lines.push(format!("{path} = {}", items.join(" ")));
+        if let Branch::Table(table) = branch {
+            list(table, &format!("{path}."), lines);
+        } else if let Branch::List(items) = branch {
+            let texts: Vec<_> = items.iter().filter_map(|it| it.value.text()).collect();
+            if texts.is_empty() {
+                let items = items.iter();
+                items.for_each(|item| value(&item.value, path, lines));
+            } else {
+                lines.push(format!("{path} = {}", texts.join(" ")));
             }
-            Branch::List(items) => items
-                .iter()
-                .for_each(|item| value(&item.value, path, lines)),
-            other => lines.push(format!("{path} = {}", other.text().unwrap_or("1"))),
+        } else {
+            lines.push(format!("{path} = {}", branch.text().unwrap_or("1")));
         }
     }
 
