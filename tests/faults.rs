@@ -56,6 +56,15 @@ impl Heard {
     }
 }
 
+impl Heard {
+    /// Sends it a signal, for example `-STOP`.
+    pub(super) fn signal(&self, signal: &str) {
+        let pid = self.child.id().to_string();
+        let status = Command::new("kill").args([signal, &pid]).status();
+        assert!(status.unwrap().success());
+    }
+}
+
 impl Drop for Heard {
     fn drop(&mut self) {
         let _ = self.child.kill();

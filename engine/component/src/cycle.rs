@@ -92,6 +92,12 @@ impl<'a> Cycle<'a> {
         self.input(port).map_or(&[], InputPort::all)
     }
 
+    /// For each sample of [`all`](Self::all), the last time at which its connection allows its use; `None` without a limit. A
+    /// component that keeps samples for later cycles discards them after that.
+    pub fn expiries<T: Message>(&self, port: In<T>) -> &[Option<Time>] {
+        self.any_input(port).map_or(&[], AnyInput::expiries)
+    }
+
     /// Returns whether the input's newest sample is older than its connection's policy allows.
     pub fn is_stale<T: Message>(&self, port: In<T>) -> bool {
         self.any_input(port).is_some_and(AnyInput::is_stale)
@@ -103,7 +109,7 @@ impl<'a> Cycle<'a> {
     }
 
     /// Number of messages lost on the way into an input port before this cycle, since the start of the system: dropped
-    /// because a queue was full, missed by the bus, or unreadable.
+    /// because a queue was full, missed by the bus, unreadable, or too old.
     pub fn lost<T: Message>(&self, port: In<T>) -> u64 {
         self.any_input(port).map_or(0, AnyInput::lost)
     }

@@ -3,6 +3,7 @@
 use crate::buffer_kind::BufferKind;
 use crate::push_outcome::PushOutcome;
 use crate::shared_buffer::SharedBuffer;
+use crate::sync::{Ordering, fence};
 use crate::{ring, triple};
 
 /// Writing end of a connection.
@@ -88,13 +89,19 @@ impl<T> Receiver<T> {
         }
     }
 
-    /// Returns whether all other ends have been dropped.
+    /// Returns whether all other ends have been dropped. If so, a call of [`drain`](Self::drain) after this one passes on
+    /// everything that they have written; one before may not.
     pub fn is_abandoned(&self) -> bool {
-        match &self.0 {
+        let is_abandoned = match &self.0 {
             ReceiverKind::Newest(reader) => reader.is_abandoned(),
             ReceiverKind::Buffer(reader) => reader.is_abandoned(),
             ReceiverKind::Shared(shared) => shared.is_sole_owner(),
+        };
+        if is_abandoned {
+            // the count is read without ordering; dropping an end releases what it has written
+            fence(Ordering::Acquire);
         }
+        is_abandoned
     }
 
     /// Upper bound of the number of samples that can be taken now.

@@ -1,13 +1,13 @@
 //! Synchronisation primitives of the standard library, or of loom, which tries every interleaving.
 
 #[cfg(not(feature = "loom"))]
-pub(crate) use std::sync::{Arc, atomic::AtomicU8, atomic::AtomicUsize};
+pub(crate) use std::sync::{Arc, atomic::AtomicU8, atomic::AtomicUsize, atomic::fence};
 
 #[cfg(feature = "loom")]
 pub(crate) use loom::{
     cell::UnsafeCell,
     sync::Arc,
-    sync::atomic::{AtomicU8, AtomicUsize},
+    sync::atomic::{AtomicU8, AtomicUsize, fence},
 };
 
 pub(crate) use std::sync::atomic::Ordering;

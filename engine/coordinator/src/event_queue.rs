@@ -1,6 +1,6 @@
 //! Events that wait for the following steps.
 
-use asmotion_component::BufferKind;
+use asmotion_component::{BufferKind, Time};
 use asmotion_lang::value::Value;
 use std::collections::VecDeque;
 
@@ -11,15 +11,24 @@ const DEFAULT_SIZE: usize = 256;
 /// The events of a location in order of arrival: messages, and outcomes of calls. Neither takes the other's place.
 #[derive(Debug, Default)]
 pub(crate) struct EventQueue {
-    /// Each event with the position of the out location whose call it reports on; `None` for a message.
-    events: VecDeque<(Option<usize>, Value)>,
+    events: VecDeque<WaitingEvent>,
     /// Number of messages among the events.
     messages: usize,
 }
 
+/// An event that waits for a step.
+#[derive(Clone, Debug)]
+pub(crate) struct WaitingEvent {
+    /// Position of the out location whose call it reports on; `None` for a message.
+    pub answers: Option<usize>,
+    pub value: Value,
+    /// The last time at which the connection of a message allows its use; `None` without a limit.
+    pub expiry: Option<Time>,
+}
+
 impl EventQueue {
     /// Queues a message. Returns how many messages were dropped, according to the queue of the input's connections.
-    pub fn push_message(&mut self, value: Value, queue: BufferKind) -> u64 {
+    pub fn push_message(&mut self, value: Value, expiry: Option<Time>, queue: BufferKind) -> u64 {
         let (size, drops_newest) = match queue {
             BufferKind::Data => (DEFAULT_SIZE, false),
             BufferKind::Buffer(size) => (size, true),
@@ -29,10 +38,14 @@ impl EventQueue {
         if is_full && drops_newest {
             return 1;
         }
-        self.events.push_back((None, value));
+        self.events.push_back(WaitingEvent {
+            answers: None,
+            value,
+            expiry,
+        });
         self.messages += 1;
         if is_full {
-            self.remove_first(Option::is_none);
+            self.remove_first(WaitingEvent::is_message);
         }
         u64::from(is_full)
     }
@@ -41,40 +54,53 @@ impl EventQueue {
     /// dropped.
     pub fn push_outcome(&mut self, output: usize, value: Value) -> u64 {
         let is_full = self.events.len() - self.messages >= DEFAULT_SIZE;
-        self.events.push_back((Some(output), value));
+        self.events.push_back(WaitingEvent {
+            answers: Some(output),
+            value,
+            expiry: None,
+        });
         if is_full {
-            self.remove_first(Option::is_some);
+            self.remove_first(|event| !event.is_message());
         }
         u64::from(is_full)
     }
 
-    fn remove_first(&mut self, is_one: fn(&Option<usize>) -> bool) {
-        let found = self.events.iter().position(|(output, _)| is_one(output));
+    fn remove_first(&mut self, is_one: fn(&WaitingEvent) -> bool) {
+        let found = self.events.iter().position(is_one);
         let removed = found.and_then(|position| self.events.remove(position));
-        self.count_removed(&removed);
+        self.count_removed(removed.as_ref());
     }
 
-    fn count_removed(&mut self, removed: &Option<(Option<usize>, Value)>) {
-        if let Some((None, _)) = removed {
-            self.messages -= 1;
-        }
+    fn count_removed(&mut self, removed: Option<&WaitingEvent>) {
+        self.messages -= usize::from(removed.is_some_and(WaitingEvent::is_message));
     }
 
     /// Removes the next event.
     pub fn pop(&mut self) -> Option<Value> {
         let next = self.events.pop_front();
-        self.count_removed(&next);
-        next.map(|(_, value)| value)
+        self.count_removed(next.as_ref());
+        next.map(|event| event.value)
+    }
+
+    /// Removes the messages that are too old. Returns their number.
+    pub fn remove_expired(&mut self, now: Time) -> u64 {
+        let before = self.events.len();
+        self.events
+            .retain(|event| event.expiry.is_none_or(|expiry| now <= expiry));
+        let removed = before - self.events.len();
+        // outcomes do not expire
+        self.messages -= removed;
+        removed as u64
     }
 
     /// Removes the outcomes of calls that updates of the out location at this position made.
     pub fn remove_outcomes(&mut self, output: usize) {
-        self.events.retain(|(of, _)| *of != Some(output));
+        self.events.retain(|event| event.answers != Some(output));
     }
 
     /// Removes all messages. Returns their number.
     pub fn remove_messages(&mut self) -> u64 {
-        self.events.retain(|(of, _)| of.is_some());
+        self.events.retain(|event| !event.is_message());
         std::mem::take(&mut self.messages) as u64
     }
 
@@ -86,15 +112,21 @@ impl EventQueue {
         self.events.is_empty()
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &(Option<usize>, Value)> {
+    pub fn iter(&self) -> impl Iterator<Item = &WaitingEvent> {
         self.events.iter()
     }
 }
 
-impl FromIterator<(Option<usize>, Value)> for EventQueue {
-    fn from_iter<I: IntoIterator<Item = (Option<usize>, Value)>>(events: I) -> Self {
+impl WaitingEvent {
+    fn is_message(&self) -> bool {
+        self.answers.is_none()
+    }
+}
+
+impl FromIterator<WaitingEvent> for EventQueue {
+    fn from_iter<I: IntoIterator<Item = WaitingEvent>>(events: I) -> Self {
         let events = VecDeque::from_iter(events);
-        let messages = events.iter().filter(|(of, _)| of.is_none()).count();
+        let messages = events.iter().filter(|event| event.is_message()).count();
         Self { events, messages }
     }
 }
@@ -102,12 +134,13 @@ impl FromIterator<(Option<usize>, Value)> for EventQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     fn pushed(queue: BufferKind) -> (Vec<i64>, u64) {
         let (mut events, mut dropped) = (EventQueue::default(), 0);
         dropped += events.push_outcome(0, Value::Int(100));
         for number in 0..4 {
-            dropped += events.push_message(Value::Int(number), queue);
+            dropped += events.push_message(Value::Int(number), None, queue);
         }
         let number = |value: Value| {
             if let Value::Int(number) = value {
@@ -130,9 +163,25 @@ mod tests {
     }
 
     #[test]
+    fn messages_expire_and_outcomes_do_not() {
+        let mut events = EventQueue::default();
+        let at = |ms| Some(Time::ZERO + Duration::from_millis(ms));
+        for (number, expiry) in [(1, at(10)), (2, None), (3, at(30)), (4, at(20))] {
+            events.push_message(Value::Int(number), expiry, BufferKind::Buffer(4));
+        }
+        events.push_outcome(0, Value::Int(5));
+        let now = Time::ZERO + Duration::from_millis(20);
+        assert_eq!((events.remove_expired(now), events.messages), (1, 3));
+        let later = Time::ZERO + Duration::from_millis(21);
+        assert_eq!((events.remove_expired(later), events.messages), (1, 2));
+        let left: Vec<_> = std::iter::from_fn(|| events.pop()).collect();
+        assert_eq!(left, [Value::Int(2), Value::Int(3), Value::Int(5)]);
+    }
+
+    #[test]
     fn messages_never_drop_outcomes_nor_outcomes_messages() {
         let mut events = EventQueue::default();
-        let message = events.push_message(Value::Int(0), BufferKind::Buffer(1));
+        let message = events.push_message(Value::Int(0), None, BufferKind::Buffer(1));
         let outcomes: u64 = (0..300)
             .map(|n| events.push_outcome(1, Value::Int(n)))
             .sum();

@@ -2,7 +2,7 @@
 
 use crate::coordinator::Coordinator;
 use crate::effects::PendingOutcome;
-use crate::event_queue::EventQueue;
+use crate::event_queue::{EventQueue, WaitingEvent};
 use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::PartnerCall;
 use crate::requests::WaitingCaller;
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 const COMPONENT: &str = "asm::Coordinator";
 
 /// Version of the layout of [`FrozenCoordinator`] and of the machine encoding.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// A value in the compact encoding of the machine.
 type PackedValue = serde_bytes::ByteBuf;
@@ -55,6 +55,8 @@ struct FrozenInput {
     locations: Vec<FrozenLocation>,
     /// A message whose key selects no element has been reported.
     reported_key: bool,
+    /// A message that waited too long has been reported.
+    reported_expiry: bool,
     /// Values that messages must have, as a list of at most one element.
     expected: Vec<Datum>,
     /// A message with other values has been reported.
@@ -69,8 +71,9 @@ struct FrozenInput {
 struct FrozenLocation {
     newest: Option<Time>,
     last: Option<PackedValue>,
-    /// Messages not yet read, each with the position of the out location whose call it answers.
-    waiting: Vec<(Option<usize>, PackedValue)>,
+    /// Events not yet read, each with the position of the out location whose call it answers, and with the last time at which
+    /// it may be used.
+    waiting: Vec<(Option<usize>, PackedValue, Option<Time>)>,
 }
 
 /// A pending call of the binding.
@@ -123,6 +126,7 @@ impl FrozenInput {
         Self {
             locations: input.locations.iter().map(FrozenLocation::of).collect(),
             reported_key: input.reported_key,
+            reported_expiry: input.reported_expiry,
             expected: input
                 .matching
                 .as_ref()
@@ -142,7 +146,7 @@ impl FrozenLocation {
             newest: location.newest,
             last: location.last.as_ref().map(packed),
             waiting: waiting
-                .map(|(answers, value)| (*answers, packed(value)))
+                .map(|event| (event.answers, packed(&event.value), event.expiry))
                 .collect(),
         }
     }
@@ -152,6 +156,7 @@ impl FrozenLocation {
 struct ThawedInput {
     locations: Vec<ThawedLocation>,
     reported_key: bool,
+    reported_expiry: bool,
     expected: Option<Datum>,
     reported_refusal: bool,
     lost: u64,
@@ -171,6 +176,7 @@ impl ThawedInput {
         Ok(Self {
             locations: locations.collect::<Result<_, _>>()?,
             reported_key: frozen.reported_key,
+            reported_expiry: frozen.reported_expiry,
             expected: frozen.expected.first().cloned(),
             reported_refusal: frozen.reported_refusal,
             lost: frozen.lost,
@@ -183,6 +189,7 @@ impl ThawedInput {
 
     fn assign(self, input: &mut BoundInput) {
         input.reported_key = self.reported_key;
+        input.reported_expiry = self.reported_expiry;
         input.lost.before = self.lost;
         if let Some(condition) = &mut input.matching {
             condition.expected = self.expected;
@@ -200,7 +207,13 @@ impl ThawedLocation {
     fn read(frozen: &FrozenLocation, machine: &Machine) -> Result<Self, ForeignSnapshot> {
         let value = |packed: &PackedValue| machine.unpack_value(packed);
         let waiting = frozen.waiting.iter();
-        let waiting = waiting.map(|(answers, event)| Ok((*answers, value(event)?)));
+        let waiting = waiting.map(|(answers, event, expiry)| {
+            Ok(WaitingEvent {
+                answers: *answers,
+                value: value(event)?,
+                expiry: *expiry,
+            })
+        });
         Ok(Self {
             newest: frozen.newest,
             last: frozen.last.as_ref().map(value).transpose()?,

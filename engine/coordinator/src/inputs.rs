@@ -13,7 +13,7 @@ use crate::frame::InputFrame;
 use crate::location::LocationName;
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
-use asmotion_component::{BufferKind, Cycle, In, Losses, Time};
+use asmotion_component::{BufferKind, Cycle, Flow, In, Losses, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
@@ -50,6 +50,8 @@ pub(crate) struct BoundInput {
     pub locations: Vec<InputLocation>,
     /// A message whose key selects no element has been reported.
     pub reported_key: bool,
+    /// A message that waited too long has been reported.
+    pub reported_expiry: bool,
 }
 
 /// The values that fields of messages must have.
@@ -188,6 +190,7 @@ impl MessageInputs {
             lost: LostMessages::default(),
             locations: Vec::new(),
             reported_key: false,
+            reported_expiry: false,
         };
         self.add(input, name, frame)?;
         Ok(EventTarget {
@@ -256,7 +259,7 @@ impl MessageInputs {
     }
 
     /// Handles the messages of the cycle. Returns a notice about the first message of each input whose key selects no
-    /// element, and about the first one that is refused.
+    /// element, about the first one that is refused, and about the first one that waited too long.
     pub fn receive(
         &mut self,
         cycle: &mut Cycle<'_>,
@@ -266,7 +269,12 @@ impl MessageInputs {
         let mut notices = Vec::new();
         for input in &mut self.inputs {
             let (port, mut dropped) = (input.from.port(), 0);
+            if let Some(port) = port {
+                dropped += input.discard_stale(port, cycle);
+                notices.extend(input.expired(dropped, program));
+            }
             let queue = port.map_or(BufferKind::Data, |port| cycle.queue(port));
+            let expiries = port.map_or(&[][..], |port| cycle.expiries(port));
             let (messages, newest) = match input.from {
                 MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
                 MessageOrigin::Losses(port) => {
@@ -285,8 +293,9 @@ impl MessageInputs {
             } else {
                 messages
             };
-            for message in messages {
-                match input.take(message, cycle.now(), queue, program) {
+            for (position, message) in messages.iter().enumerate() {
+                let expiry = expiries.get(position).copied().flatten();
+                match input.take(message, cycle.now(), queue, expiry, program) {
                     Taken::Yes => {}
                     Taken::Dropped(count) => dropped += count,
                     Taken::Refused => {
@@ -439,6 +448,7 @@ impl BoundInput {
             lost: LostMessages::default(),
             locations: Vec::new(),
             reported_key: false,
+            reported_expiry: false,
         })
     }
 
@@ -453,7 +463,28 @@ impl BoundInput {
         of_state && self.located.key.is_empty() && self.matching.is_none()
     }
 
-    fn take(&mut self, message: &Datum, now: Time, queue: BufferKind, program: &Program) -> Taken {
+    /// Removes the messages that have waited for longer than their connection allows, and the current values if the policy of
+    /// the connection forgets stale data. Returns the number of removed messages.
+    fn discard_stale(&mut self, port: In<Datum>, cycle: &Cycle<'_>) -> u64 {
+        let forgets = cycle.is_stale(port) && matches!(cycle.read(port), Flow::NoData);
+        let mut removed = 0;
+        for location in &mut self.locations {
+            removed += location.waiting.remove_expired(cycle.now());
+            if forgets {
+                location.last = None;
+            }
+        }
+        removed
+    }
+
+    fn take(
+        &mut self,
+        message: &Datum,
+        now: Time,
+        queue: BufferKind,
+        expiry: Option<Time>,
+        program: &Program,
+    ) -> Taken {
         let condition = self.matching.as_ref();
         if condition.is_some_and(|condition| !condition.accepts(message)) {
             return Taken::Refused;
@@ -484,7 +515,9 @@ impl BoundInput {
                 location.newest = Some(now);
                 location.last = Some(value);
             }
-            Receive::All => return Taken::Dropped(location.waiting.push_message(value, queue)),
+            Receive::All => {
+                return Taken::Dropped(location.waiting.push_message(value, expiry, queue));
+            }
         }
         Taken::Yes
     }
@@ -520,6 +553,20 @@ impl BoundInput {
         let expected = expected.map_or_else(|| "nothing yet".to_owned(), |it| format!("{it}"));
         Some(format!(
             "a message for `{}` is refused: expected {expected}, found {message}; such messages are counted as misfits",
+            function.map_or("", |name| &**name),
+        ))
+    }
+
+    /// Describes the first messages that waited too long.
+    fn expired(&mut self, count: u64, program: &Program) -> Option<String> {
+        if count == 0 || std::mem::replace(&mut self.reported_expiry, true) {
+            return None;
+        }
+        let functions = &program.symbols.functions;
+        let function = functions.get(self.located.function.0 as usize);
+        Some(format!(
+            "messages for `{}` waited for a step for longer than the `max_age_ms` of their connection allows; such messages are \
+             discarded and counted as lost",
             function.map_or("", |name| &**name),
         ))
     }

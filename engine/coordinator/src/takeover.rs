@@ -4,6 +4,7 @@
 //! keep their messages if their binding is the same. Calls and requests under way are continued.
 
 use crate::coordinator::Coordinator;
+use crate::event_queue::WaitingEvent;
 use crate::inputs::BoundInput;
 use crate::partners::{MessagePartners, PartnerCall};
 use crate::requests::WaitingCaller;
@@ -101,7 +102,7 @@ impl Coordinator {
             }
         }
         let mut waiting = predecessor.inbox.inputs.iter().flat_map(|it| &it.locations);
-        let has_outcome = waiting.any(|it| it.waiting.iter().any(|(of, _)| of.is_some()));
+        let has_outcome = waiting.any(|it| it.waiting.iter().any(|event| event.answers.is_some()));
         if has_outcome && !has_same_outputs {
             return Err(Fault::new(
                 "the outcome of a call waits for the next step, and the bindings of out functions differ: try again",
@@ -212,6 +213,7 @@ fn keep_input(input: &mut BoundInput, before: &BoundInput, elements: &Correspond
     let mut unknown = 0;
     input.lost = before.lost;
     input.reported_key = before.reported_key;
+    input.reported_expiry = before.reported_expiry;
     if let (Some(condition), Some(before)) = (&mut input.matching, &before.matching) {
         condition.expected.clone_from(&before.expected);
         condition.reported = before.reported;
@@ -229,7 +231,13 @@ fn keep_input(input: &mut BoundInput, before: &BoundInput, elements: &Correspond
         location.has_received = before.has_received;
         location.last = before.last.as_ref().and_then(|it| elements.value(it));
         let waiting = before.waiting.iter();
-        let waiting = waiting.filter_map(|(of, event)| Some((*of, elements.value(event)?)));
+        let waiting = waiting.filter_map(|event| {
+            let value = elements.value(&event.value)?;
+            Some(WaitingEvent {
+                value,
+                ..event.clone()
+            })
+        });
         location.waiting = waiting.collect();
         unknown += (before.waiting.len() - location.waiting.len()) as u64;
     }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use asmotion_connection::{Pool, Receiver, Sender};
-use asmotion_datum::{Datum, DatumError, Message, Sample};
+use asmotion_datum::{Datum, DatumError, Message, Sample, Schema};
 
 use crate::connection_id::ConnectionId;
 use crate::loss_counter::LossCounter;
@@ -69,6 +69,8 @@ pub(crate) struct InputChannel<T> {
     pub zero: Option<T>,
     /// Whether the connection is part of the system's declaration.
     pub declared: bool,
+    /// The writing end had been dropped when the channel was last emptied, so that nothing more can arrive.
+    pub has_ended: bool,
     pub receiver: InputReceiver<T>,
 }
 
@@ -82,6 +84,8 @@ pub(crate) enum InputReceiver<T> {
 
 /// Opens channels into ports of type `T`.
 pub(crate) struct OpenerOf<T> {
+    /// Type of the port, which of a port of data is known at run time only.
+    pub schema: Schema,
     pub losses: LossCounter,
     pub of: PhantomData<fn() -> T>,
 }
@@ -96,8 +100,9 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
         let zero: Option<T> = match policy.on_stale {
             // all fields of a message have initial values, so an empty record suffices
             OnStale::Zero => {
-                let zeros = Datum::Record(Vec::new());
-                Some(T::of_datum(&zeros).map_err(OpenError::NoZero)?)
+                let zeros = self.schema.complete(Datum::Record(Vec::new()));
+                let zeros = zeros.and_then(|zeros| T::of_datum(&zeros));
+                Some(zeros.map_err(OpenError::NoZero)?)
             }
             OnStale::Hold | OnStale::NoData => None,
         };
@@ -116,6 +121,7 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
             policy: policy.clone(),
             zero,
             declared: true,
+            has_ended: false,
             receiver,
         };
         let reading_end = ReadingEnd {

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::time::Duration;
 
 use asmotion_connection::BufferKind;
 use asmotion_datum::{Datum, DatumError, Message, Schema};
@@ -22,10 +23,14 @@ pub struct InputPort<T> {
     channels: Vec<InputChannel<T>>,
     /// Samples that arrived since the last cycle, in order of arrival.
     new_samples: Vec<T>,
+    /// For each new sample, the last time at which it may be used; `None` without a limit.
+    expiries: Vec<Option<Time>>,
     /// The newest sample of earlier cycles; `None` while `new_samples` contains a newer one.
     last: Option<T>,
     newest: Option<Newest>,
     stale: bool,
+    /// Number of samples discarded because they were too old.
+    too_old: u64,
     /// Causes of refusals that have been returned, so that each is reported once.
     known_causes: Vec<String>,
     /// Messages lost on the way into the port.
@@ -46,8 +51,21 @@ pub struct Refusals {
     pub unreadable: u64,
     /// Number of samples with values that cannot be meant.
     pub implausible: u64,
+    /// Samples that were too old for their connection when the component could have read them.
+    pub too_old: Option<TooOld>,
     /// Causes that this port has not returned before.
     pub new_causes: Vec<String>,
+}
+
+/// Samples that a port discarded because they exceeded the age limit of their connection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooOld {
+    /// Number of samples discarded so far.
+    pub total: u64,
+    /// Age of the last one.
+    pub age: Duration,
+    /// The age limit of its connection.
+    pub limit: Duration,
 }
 
 impl Refusals {
@@ -86,9 +104,11 @@ impl<T: Message> InputPort<T> {
             schema,
             channels: Vec::new(),
             new_samples: Vec::new(),
+            expiries: Vec::new(),
             last: None,
             newest: None,
             stale: false,
+            too_old: 0,
             known_causes: Vec::new(),
             losses: LossCounter::default(),
             lost: 0,
@@ -111,9 +131,11 @@ impl<T: Message> InputPort<T> {
     }
 
     /// Empties the channels. Returns which samples were refused.
-    fn take_received(&mut self) -> Refusals {
+    fn take_received(&mut self, now: Time) -> Refusals {
         let mut refusals = Refusals::default();
         for channel in &mut self.channels {
+            // before it is emptied: a writer can write and leave at any time
+            channel.has_ended = channel.is_abandoned();
             let (arrived, connection) = (&mut self.received, channel.connection);
             refusals.unreadable += channel.drain(|sample| arrived.push((connection, sample)));
         }
@@ -127,17 +149,34 @@ impl<T: Message> InputPort<T> {
                 refusals.add(&cause, &mut self.known_causes);
                 continue;
             }
+            let mut channels = self.channels.iter();
+            let channel = channels.find(|channel| channel.connection == connection);
+            let limit = channel.and_then(|channel| channel.policy.discarded_after());
+            let age = now.since(sample.at);
+            if let Some(limit) = limit.filter(|limit| age > *limit) {
+                self.too_old += 1;
+                let total = self.too_old;
+                refusals.too_old = Some(TooOld { total, age, limit });
+                // the first sample that a port receives is stale: its policy decides what the component reads instead
+                self.newest.get_or_insert(Newest {
+                    at: sample.at,
+                    connection,
+                    zeroed: false,
+                });
+                continue;
+            }
             self.newest = Some(Newest {
                 at: sample.at,
                 connection,
                 zeroed: false,
             });
             self.new_samples.push(sample.value);
+            self.expiries.push(limit.map(|limit| sample.at + limit));
         }
         // keep the newest sample's connection, whose policy limits the sample's age
         let newest = self.newest.map(|newest| newest.connection);
         self.channels
-            .retain(|channel| Some(channel.connection) == newest || !channel.is_abandoned());
+            .retain(|channel| Some(channel.connection) == newest || !channel.has_ended);
         refusals
     }
 
@@ -162,12 +201,14 @@ impl<T: Message> InputPort<T> {
             OnStale::Hold => {}
             OnStale::NoData => {
                 self.new_samples.clear();
+                self.expiries.clear();
                 self.last = None;
             }
             OnStale::Zero if newest.zeroed => {}
             OnStale::Zero => {
                 newest.zeroed = true;
                 self.new_samples.extend(channel.zero.clone());
+                self.expiries.resize(self.new_samples.len(), None);
             }
         }
     }
@@ -189,12 +230,17 @@ pub trait AnyInput: Any + Send {
     fn opener(&self) -> Arc<dyn ChannelOpener>;
 
     /// Makes the samples that arrived since the last call visible, and marks earlier ones as old. Samples whose values fail
-    /// [`Message::check`] are refused, as if they had not been written. Returns which samples were refused.
+    /// [`Message::check`] are refused, as if they had not been written, and so are those that are older than their connection
+    /// allows, unless its policy holds stale samples. Returns which samples were refused.
     fn freeze(&mut self, now: Time) -> Refusals;
 
     /// Remembers why the component refused a sample that it had read. Returns whether the cause is to be reported: each is
     /// reported once, and only the first few of a port.
     fn refuse(&mut self, cause: &str) -> bool;
+
+    /// For each sample that arrived since the last cycle, the last time at which its connection allows its use; `None`
+    /// without a limit.
+    fn expiries(&self) -> &[Option<Time>];
 
     /// Returns whether the newest sample is older than its connection's policy allows.
     fn is_stale(&self) -> bool;
@@ -203,7 +249,7 @@ pub trait AnyInput: Any + Send {
     fn written_at(&self) -> Option<Time>;
 
     /// Number of messages lost on the way into the port, as of the last [`freeze`](Self::freeze): dropped because a
-    /// connection was full, missed by the bus, or unreadable.
+    /// connection was full, missed by the bus, unreadable, or too old.
     fn lost(&self) -> u64;
 
     /// The queue that the declared connections form together: the newest sample if one of them keeps no more, or if there is
@@ -242,6 +288,7 @@ impl<T: Message> AnyInput for InputPort<T> {
 
     fn opener(&self) -> Arc<dyn ChannelOpener> {
         Arc::new(OpenerOf::<T> {
+            schema: self.schema.clone(),
             losses: self.losses.clone(),
             of: PhantomData,
         })
@@ -252,8 +299,11 @@ impl<T: Message> AnyInput for InputPort<T> {
             self.last = Some(sample);
             self.new_samples.clear();
         }
-        let refusals = self.take_received();
+        self.expiries.clear();
+        let known_too_old = self.too_old;
+        let refusals = self.take_received(now);
         self.losses.add(refusals.unreadable);
+        self.losses.add(self.too_old - known_too_old);
         self.lost = self.losses.total();
         self.update_staleness(now);
         refusals
@@ -261,6 +311,10 @@ impl<T: Message> AnyInput for InputPort<T> {
 
     fn refuse(&mut self, cause: &str) -> bool {
         is_new_cause(cause, &mut self.known_causes)
+    }
+
+    fn expiries(&self) -> &[Option<Time>] {
+        &self.expiries
     }
 
     fn is_stale(&self) -> bool {
@@ -323,6 +377,7 @@ impl<T: Message> AnyInput for InputPort<T> {
             }),
             stale: self.stale,
             lost: self.losses.total(),
+            too_old: self.too_old,
             causes: self.known_causes.clone(),
         })
     }
@@ -338,6 +393,9 @@ impl<T: Message> AnyInput for InputPort<T> {
             channel.clear();
         }
         self.new_samples = fresh;
+        // they belong to the cycle that has ended
+        self.expiries.clear();
+        self.too_old = snapshot.too_old;
         self.last = last.into_iter().next();
         self.newest = snapshot.newest.as_ref().map(|newest| Newest {
             at: newest.at,
@@ -368,6 +426,133 @@ impl<T: Message> AnyInput for InputPort<T> {
             self.newest = None;
             self.last = None;
             self.new_samples.clear();
+            self.expiries.clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use asmotion_datum::{DatumProblem, Sample};
+    use serde::{Deserialize, Serialize};
+
+    use super::*;
+
+    thread_local! {
+        /// Called when a port checks a sample with a negative number.
+        static MEANWHILE: RefCell<Option<Box<dyn FnOnce()>>> = const { RefCell::new(None) };
+    }
+
+    /// A number that the port refuses if it is negative.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    struct Checked {
+        #[serde(default)]
+        n: i64,
+    }
+
+    impl Message for Checked {
+        const NAME: &'static str = "test/Checked";
+
+        fn schema() -> &'static Schema {
+            static SCHEMA: std::sync::LazyLock<Schema> =
+                std::sync::LazyLock::new(|| Schema::opaque("test/Checked"));
+            &SCHEMA
+        }
+
+        fn check(&self) -> Result<(), DatumError> {
+            if self.n >= 0 {
+                return Ok(());
+            }
+            if let Some(meanwhile) = MEANWHILE.take() {
+                meanwhile();
+            }
+            Err(DatumError::new(DatumProblem::Implausible("negative")))
+        }
+    }
+
+    fn checked(n: i64) -> Arc<dyn Sample> {
+        Arc::new(Checked { n })
+    }
+
+    fn at(ms: u64) -> Time {
+        Time::ZERO + Duration::from_millis(ms)
+    }
+
+    /// A port and the writing end of a connection to it.
+    fn joined(policy: &Policy) -> (InputPort<Checked>, Box<dyn crate::AnySender>) {
+        let mut port = InputPort::<Checked>::new(Checked::schema().clone());
+        let opened = port.opener().open(ConnectionId::new(1), policy, None);
+        let Ok((sender, end)) = opened else {
+            unreachable!("the policy has no shared queue")
+        };
+        port.connect(end);
+        (port, sender)
+    }
+
+    fn read(port: &InputPort<Checked>) -> Vec<i64> {
+        port.all().iter().map(|sample| sample.n).collect()
+    }
+
+    #[test]
+    fn what_a_writer_writes_before_it_leaves_arrives_even_while_the_port_is_read() {
+        for policy in [Policy::buffer(4), Policy::data(), Policy::circular(4)] {
+            let (mut port, mut sender) = joined(&policy);
+            sender.send_sample(checked(-1), at(0), 1).unwrap();
+            MEANWHILE.set(Some(Box::new(move || {
+                sender.send_sample(checked(7), at(0), 2).unwrap();
+            })));
+            assert_eq!(port.freeze(at(0)).implausible, 1);
+            assert!(read(&port).is_empty());
+            port.freeze(at(1));
+            assert_eq!(read(&port), [7], "{policy:?}");
+            port.freeze(at(2));
+            port.disconnect(ConnectionId::new(1));
+            assert!(port.connections().is_empty());
+        }
+    }
+
+    #[test]
+    fn samples_that_are_too_old_are_discarded_wherever_they_are_in_the_queue() {
+        for (on_stale, expected) in [
+            (OnStale::Hold, vec![1, 2, 3]),
+            (OnStale::NoData, vec![3]),
+            (OnStale::Zero, vec![3]),
+        ] {
+            let policy = Policy::buffer(4).max_age(Duration::from_millis(100));
+            let (mut port, mut sender) = joined(&policy.on_stale(on_stale));
+            for (n, written) in [(1, 0), (2, 49), (3, 50)] {
+                sender
+                    .send_sample(checked(n), at(written), n as u64)
+                    .unwrap();
+            }
+            let refusals = port.freeze(at(150));
+            assert_eq!(read(&port), expected, "{on_stale:?}");
+            let discarded = 3 - expected.len() as u64;
+            assert_eq!(port.lost(), discarded, "{on_stale:?}");
+            let limit = Duration::from_millis(100);
+            let age = Duration::from_millis(101);
+            let total = discarded;
+            let reported = (discarded > 0).then_some(TooOld { total, age, limit });
+            assert_eq!(refusals.too_old, reported);
+            let limits = on_stale != OnStale::Hold;
+            let last = limits.then(|| at(150));
+            assert_eq!(port.expiries().last(), Some(&last));
+        }
+    }
+
+    #[test]
+    fn a_first_sample_that_is_too_old_is_no_data_or_zero() {
+        let limit = Duration::from_millis(100);
+        let policy = Policy::data().max_age(limit).on_stale(OnStale::NoData);
+        let (mut port, mut sender) = joined(&policy);
+        sender.send_sample(checked(1), at(0), 1).unwrap();
+        port.freeze(at(101));
+        assert_eq!((port.read(), port.is_stale()), (Flow::NoData, true));
+        sender.send_sample(checked(2), at(150), 2).unwrap();
+        port.freeze(at(160));
+        assert_eq!(port.read(), Flow::NewData(&Checked { n: 2 }));
+        assert!(!port.is_stale());
     }
 }

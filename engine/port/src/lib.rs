@@ -20,7 +20,7 @@ pub use asmotion_connection::{BufferKind, Notifier, PushOutcome};
 pub use channel::{ChannelOpener, OpenError, ReadingEnd, SharedQueue};
 pub use connection_id::ConnectionId;
 pub use flow::Flow;
-pub use input::{AnyInput, InputPort, Refusals};
+pub use input::{AnyInput, InputPort, Refusals, TooOld};
 pub use loss_counter::LossCounter;
 pub use output::{
     AnyOutput, LinkReader, Notification, OutputLink, OutputPort, PortEffects, Undelivered,

@@ -24,7 +24,7 @@ pub struct Policy {
     pub pull: bool,
     /// Limit on the number of threads that use the queue; `None` for one thread per end.
     pub max_threads: Option<usize>,
-    /// Age after which the newest sample is stale; `None` for no limit.
+    /// Age after which a sample is stale; `None` for no limit.
     pub max_age: Option<Duration>,
     /// The reader's view of a stale sample.
     pub on_stale: OnStale,
@@ -167,12 +167,21 @@ impl Policy {
         }
     }
 
-    /// Sets the age after which the newest sample is stale.
+    /// Sets the age after which a sample is stale.
     #[must_use]
     pub fn max_age(self, max_age: Duration) -> Self {
         Self {
             max_age: Some(max_age),
             ..self
+        }
+    }
+
+    /// Age after which a sample that the component has not read yet is discarded; `None` if the component uses samples of any
+    /// age, or holds stale ones.
+    pub fn discarded_after(&self) -> Option<Duration> {
+        match self.on_stale {
+            OnStale::Hold => None,
+            OnStale::NoData | OnStale::Zero => self.max_age,
         }
     }
 

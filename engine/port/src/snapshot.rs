@@ -20,6 +20,8 @@ pub struct InputSnapshot {
     pub(crate) stale: bool,
     /// Number of messages lost on the way into the port.
     pub(crate) lost: u64,
+    /// Number of messages among them that were too old.
+    pub(crate) too_old: u64,
     /// Causes of refusals that have been reported.
     pub(crate) causes: Vec<String>,
     /// Unread samples by connection number.

@@ -8,8 +8,8 @@ use asmotion_component::{
     Losses, NOTICE_REPORT, OperationSlot, PropertyError, PropertyHost, PropertyProblem, Reply,
     RequestId, WaitingRequest, WorkPlace, suggestion_among,
 };
-use asmotion_datum::{Datum, DatumError, Sample};
-use asmotion_port::{AnyInput, AnyOutput, PortEffects};
+use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
+use asmotion_port::{AnyInput, AnyOutput, PortEffects, TooOld};
 
 use crate::cause::CycleCause;
 use crate::descriptor::ComponentStatus;
@@ -114,6 +114,9 @@ impl ComponentBody {
                     total: refusals.unreadable,
                     reason: None,
                 });
+            }
+            if let Some(discarded) = refusals.too_old {
+                report_too_old(&declared.name, discarded, effects);
             }
             implausible += refusals.implausible;
             for cause in &refusals.new_causes {
@@ -429,6 +432,23 @@ fn report_unheard(refusal: &UnheardRefusal, effects: &mut ComponentEffects<'_>) 
         component: effects.name,
         kind: NOTICE_REPORT,
         data: &Datum::text(text),
+    });
+}
+
+/// Reports samples that an input port discarded because of their age.
+fn report_too_old(port: &str, discarded: TooOld, effects: &mut ComponentEffects<'_>) {
+    let TooOld { total, age, limit } = discarded;
+    let reason = format!("{age:.1?} old; the limit of its connection is {limit:?}");
+    let (component, reason) = (
+        effects.name,
+        DatumError::new(DatumProblem::Mismatch(reason)),
+    );
+    effects.emit(&Event::Dropped {
+        component,
+        port,
+        to: component,
+        total,
+        reason: Some(&reason),
     });
 }
 

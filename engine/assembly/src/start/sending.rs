@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::time::Duration;
 
 use asmotion_bus::{Assurance, Outage, PublishOptions};
-use asmotion_component::{BufferKind, OnStale};
+use asmotion_component::BufferKind;
 use asmotion_datum::Codec;
 
 use super::policy;
@@ -51,8 +51,7 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
 /// Returns the age beyond which the reader of a connection does not use a sample, if there is one. A reader that holds stale
 /// samples uses each of them.
 fn age_limit(connection: &Connection) -> Option<Duration> {
-    let policy = policy::of(connection);
-    policy.max_age.filter(|_| policy.on_stale != OnStale::Hold)
+    policy::of(connection).discarded_after()
 }
 
 /// Returns the age beyond which no reader uses a sample; `None` if one uses it at any age, or if there is no reader.

@@ -19,7 +19,7 @@ use crate::at::At;
 pub struct Pace {
     /// Source location of the table.
     pub span: Span,
-    /// Unique name by which tools can address the component, too; the component name by default.
+    /// Unique name of the component outside its composite: in queues, messages, logs and tools; the component name by default.
     #[key(within = "task", example = "\"planner\"", written)]
     pub id: Option<At<String>>,
     /// Period; 0 makes the component event-driven.

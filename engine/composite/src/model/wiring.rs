@@ -219,10 +219,10 @@ pub struct Policy {
     /// Maximum number of threads using the connection; one per end by default.
     #[key(range = 1..=1024)]
     pub max_threads: Option<At<u64>>,
-    /// Maximum age of data.
+    /// Age after which a message is stale.
     #[key(unit = "milliseconds", range = 1..=DAY_MS)]
     pub max_age_ms: Option<At<u64>>,
-    /// Handling of data older than `max_age_ms`.
+    /// Stale messages: used all the same, or discarded and counted, and the reader has no data or reads zeros once.
     #[key(default)]
     pub on_stale: Option<At<OnStale>>,
     /// Notification of the reader about new data.
