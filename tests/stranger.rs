@@ -19,7 +19,7 @@ fn home() -> PathBuf {
 
 /// A Python interpreter with the required packages, installed once. If they cannot be downloaded, prints a notice and
 /// returns `None`, or fails if `CI` is set.
-fn python() -> Option<&'static Path> {
+pub(super) fn python() -> Option<&'static Path> {
     static PYTHON: OnceLock<Option<PathBuf>> = OnceLock::new();
     PYTHON.get_or_init(install).as_deref()
 }

@@ -128,6 +128,13 @@ pub(crate) async fn confirm(channel: &Channel) -> AmqpResult<()> {
     run_to_completion(async move { channel.confirm_select(confirm).await }).await
 }
 
+/// A queue that is consumed.
+pub(crate) struct Consumption {
+    pub messages: UnboundedReceiver<ConsumerMessage>,
+    /// Number of messages that were in the queue before.
+    pub backlog: u32,
+}
+
 /// Declares a queue, binds it and consumes it.
 pub(crate) async fn consume(
     channel: &Channel,
@@ -135,15 +142,18 @@ pub(crate) async fn consume(
     binding: QueueBindArguments,
     prefetch: u16,
     consume: BasicConsumeArguments,
-) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
+) -> AmqpResult<Consumption> {
     let channel = channel.clone();
     let prefetch = BasicQosArguments::new(0, prefetch, false);
     run_to_completion(async move {
-        channel.queue_declare(queue).await?;
+        let declared = channel.queue_declare(queue).await?;
         channel.queue_bind(binding).await?;
         channel.basic_qos(prefetch).await?;
         let (_, messages) = channel.basic_consume_rx(consume).await?;
-        Ok(messages)
+        Ok(Consumption {
+            messages,
+            backlog: declared.map_or(0, |(_, messages, _)| messages),
+        })
     })
     .await
 }

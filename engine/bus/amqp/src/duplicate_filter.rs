@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
+use crate::transit::TransitTimes;
 use crate::wire::{MessageIdentity, StreamId};
 
 /// Limit of remembered gaps per stream.
@@ -41,6 +42,7 @@ pub(crate) struct SequenceJump {
 
 struct MessageStream {
     highest: u64,
+    transit: TransitTimes,
     /// Ranges of numbers below the highest that have not arrived, by their first numbers.
     gaps: BTreeMap<u64, Gap>,
     last_seen: u64,
@@ -56,10 +58,10 @@ struct Gap {
 
 impl DuplicateFilter {
     /// Returns whether a message arrives for the first time. A message without identity always counts as new.
-    pub(crate) fn is_new(&mut self, identity: MessageIdentity) -> bool {
+    pub(crate) fn is_new(&mut self, identity: &MessageIdentity) -> bool {
         match identity {
-            MessageIdentity::Numbered { stream, sequence } => self.is_new_in(stream, sequence),
-            MessageIdentity::Named { user, id } => self.is_new_name((user, id)),
+            MessageIdentity::Numbered { stream, sequence } => self.is_new_in(stream, *sequence),
+            MessageIdentity::Named { user, id } => self.is_new_name((user.clone(), id.clone())),
             MessageIdentity::Unknown => true,
         }
     }
@@ -69,13 +71,24 @@ impl DuplicateFilter {
         self.missed
     }
 
-    fn is_new_in(&mut self, id: StreamId, sequence: u64) -> bool {
-        let Some(stream) = self.streams.get_mut(&id) else {
+    /// The times that the messages of a known stream take.
+    pub(crate) fn transit(&mut self, identity: &MessageIdentity) -> Option<&mut TransitTimes> {
+        match identity {
+            MessageIdentity::Numbered { stream, .. } => {
+                let stream = self.streams.get_mut(stream)?;
+                Some(&mut stream.transit)
+            }
+            MessageIdentity::Named { .. } | MessageIdentity::Unknown => None,
+        }
+    }
+
+    fn is_new_in(&mut self, id: &StreamId, sequence: u64) -> bool {
+        let Some(stream) = self.streams.get_mut(id) else {
             self.now += 1;
             let now = self.now;
             self.streams
                 .insert(id.clone(), MessageStream::new(sequence, now));
-            self.last_seen.insert(now, id);
+            self.last_seen.insert(now, id.clone());
             self.evict();
             return true;
         };
@@ -99,7 +112,7 @@ impl DuplicateFilter {
             None => {
                 let to = sequence;
                 self.jump = Some(SequenceJump {
-                    user: id.user,
+                    user: id.user.clone(),
                     from,
                     to,
                 });
@@ -145,6 +158,7 @@ impl MessageStream {
         });
         Self {
             highest: sequence,
+            transit: TransitTimes::default(),
             gaps: before.into_iter().collect(),
             last_seen,
         }
@@ -225,7 +239,7 @@ mod tests {
     }
 
     fn kept(repeats: &mut DuplicateFilter, sequences: &[u64]) -> Vec<u64> {
-        let new = |sequence: &&u64| repeats.is_new(numbered("s", **sequence));
+        let new = |sequence: &&u64| repeats.is_new(&numbered("s", **sequence));
         sequences.iter().filter(new).copied().collect()
     }
 
@@ -251,7 +265,7 @@ mod tests {
         let mut repeats = DuplicateFilter::default();
         assert_eq!(kept(&mut repeats, &[1, 2]), [1, 2]);
         for (user, number) in [("dash", 1 << 62), ("", 1 << 62), ("dash", u64::MAX)] {
-            assert!(repeats.is_new(of_user(user, "s", number)));
+            assert!(repeats.is_new(&of_user(user, "s", number)));
         }
         assert_eq!(
             (kept(&mut repeats, &[3, 4, 3]), repeats.missed()),
@@ -287,20 +301,20 @@ mod tests {
     fn streams_are_apart_and_the_silent_ones_forgotten() {
         let mut repeats = DuplicateFilter::default();
         for n in 0..2 * STREAMS {
-            assert!(repeats.is_new(numbered(&n.to_string(), 1)));
-            assert!(repeats.is_new(numbered("busy", n as u64 + 1)));
+            assert!(repeats.is_new(&numbered(&n.to_string(), 1)));
+            assert!(repeats.is_new(&numbered("busy", n as u64 + 1)));
         }
-        assert!(!repeats.is_new(numbered("busy", 1)));
+        assert!(!repeats.is_new(&numbered("busy", 1)));
         assert!(repeats.streams.len() <= STREAMS && repeats.last_seen.len() <= STREAMS);
     }
 
     #[test]
     fn strangers_are_known_by_their_message_ids() {
         let mut repeats = DuplicateFilter::default();
-        assert!(repeats.is_new(named("x", "a")) && repeats.is_new(named("y", "a")));
-        assert!(!repeats.is_new(named("x", "a")));
+        assert!(repeats.is_new(&named("x", "a")) && repeats.is_new(&named("y", "a")));
+        assert!(!repeats.is_new(&named("x", "a")));
         assert!(
-            repeats.is_new(MessageIdentity::Unknown) && repeats.is_new(MessageIdentity::Unknown)
+            repeats.is_new(&MessageIdentity::Unknown) && repeats.is_new(&MessageIdentity::Unknown)
         );
     }
 }

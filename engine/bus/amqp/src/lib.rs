@@ -35,9 +35,10 @@ mod settings;
 mod subscriber;
 mod supervisor;
 mod tls;
+mod transit;
 pub mod wire;
 
 pub use bus::AmqpBus;
-pub use notice::BusNotice;
+pub use notice::{BusNotice, PublisherLosses};
 pub use settings::{AddressError, AmqpSettings, AmqpTiming, Credentials};
 pub use tls::{ClientIdentity, TlsSettings};

@@ -59,6 +59,13 @@ pub enum BusNotice {
         /// Difference of the clocks.
         difference: Duration,
     },
+    /// Messages that a publisher had accepted did not reach the broker, or were not accepted by it.
+    Undelivered {
+        /// Topic of the messages.
+        what: String,
+        /// Number of such messages so far.
+        losses: PublisherLosses,
+    },
     /// A message could not be encoded.
     Unwritable {
         /// Topic or address of the message.
@@ -66,6 +73,28 @@ pub enum BusNotice {
         /// Encoding error.
         reason: String,
     },
+}
+
+/// Messages that a publisher lost after it had accepted them, by cause.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PublisherLosses {
+    /// Messages that waited for the broker until they were too old for all readers.
+    pub expired: u64,
+    /// Messages that the broker rejected, because a reader's queue was full or the publisher may not write there.
+    pub refused: u64,
+}
+
+impl fmt::Display for PublisherLosses {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.expired, self.refused) {
+            (expired, 0) => write!(f, "{expired} waited until they were too old"),
+            (0, refused) => write!(f, "the broker rejected {refused}"),
+            (expired, refused) => write!(
+                f,
+                "{expired} waited until they were too old, and the broker rejected {refused}"
+            ),
+        }
+    }
 }
 
 impl fmt::Display for BusNotice {
@@ -97,6 +126,9 @@ impl fmt::Display for BusNotice {
                 "the clock of `{source}` differs from that of this machine by {:.1} s: synchronise them",
                 difference.as_secs_f64()
             ),
+            Self::Undelivered { what, losses } => {
+                write!(f, "messages on `{what}` were not delivered: {losses}")
+            }
             Self::Unwritable { what, reason } => {
                 write!(f, "cannot encode a message for `{what}`: {reason}")
             }

@@ -6,10 +6,14 @@ use std::time::{Duration, Instant};
 
 use asmotion_bus::{Assurance, Outage, Payload, PublishOptions, PublisherCounts, TraceContext};
 
+use crate::notice::PublisherLosses;
+
 /// Capacity of the queue while the link is open: absorbs a burst, not an outage.
 const BURST: usize = 4096;
 /// Limit of messages in flight.
 const WINDOW: usize = 512;
+/// Least time between two reports of losses.
+pub(crate) const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 /// Limit of bytes in flight.
 const WINDOW_BYTES: usize = 2 << 20;
 
@@ -69,6 +73,11 @@ pub(crate) struct PublisherOutbox {
     /// The broker returned the message in flight while `probing`.
     returned: bool,
     pub counts: PublisherCounts,
+    /// The losses that no caller of [`push`](Self::push) has learnt of, and those that have been reported.
+    losses: PublisherLosses,
+    reported: PublisherLosses,
+    /// Time of the last report.
+    reported_at: Option<Instant>,
     /// The newest message, if it is retained for late subscribers.
     retained: Option<OutgoingMessage>,
 }
@@ -93,6 +102,9 @@ impl PublisherOutbox {
             probing: false,
             returned: false,
             counts: PublisherCounts::default(),
+            losses: PublisherLosses::default(),
+            reported: PublisherLosses::default(),
+            reported_at: None,
             retained: None,
         }
     }
@@ -181,13 +193,33 @@ impl PublisherOutbox {
         {
             self.resend.pop_front();
             self.counts.dropped += 1;
+            self.losses.expired += 1;
         }
         while let Some(oldest) = self.waiting.front()
             && self.is_expired(&oldest.header)
         {
             self.waiting.pop_front();
             self.counts.dropped += 1;
+            self.losses.expired += 1;
         }
+    }
+
+    /// Returns the losses if there are new ones to report: at most once a second.
+    pub(crate) fn losses_to_report(&mut self) -> Option<PublisherLosses> {
+        let is_soon = self
+            .reported_at
+            .is_some_and(|at| at.elapsed() < REPORT_INTERVAL);
+        if is_soon || !self.has_unreported_losses() {
+            return None;
+        }
+        self.reported = self.losses;
+        self.reported_at = Some(Instant::now());
+        Some(self.losses)
+    }
+
+    /// Returns whether there are losses that have not been reported yet.
+    pub(crate) fn has_unreported_losses(&self) -> bool {
+        self.losses != self.reported
     }
 
     /// Records a sent message. Returns it for publishing, and keeps a copy if it may have to be sent again.
@@ -244,7 +276,9 @@ impl PublisherOutbox {
 
     /// Counts messages that the broker rejected. Sending them again would reorder them.
     pub(crate) fn reject(&mut self, tag: u64, multiple: bool) {
-        self.counts.refused += self.remove_in_flight(tag, multiple);
+        let refused = self.remove_in_flight(tag, multiple);
+        self.counts.refused += refused;
+        self.losses.refused += refused;
     }
 
     fn remove_in_flight(&mut self, tag: u64, multiple: bool) -> u64 {
@@ -282,6 +316,7 @@ impl PublisherOutbox {
         if refused && count == 1 {
             self.in_flight.clear();
             self.counts.refused += 1;
+            self.losses.refused += 1;
             self.single_sends = self.single_sends.saturating_sub(1);
             return;
         }
@@ -474,6 +509,8 @@ mod tests {
         std::thread::sleep(Duration::from_millis(1));
         assert!(old.next().is_none());
         assert_eq!((old.counts.dropped, old.counts.pending()), (2, 0));
+        let losses = old.losses_to_report().map(|losses| losses.expired);
+        assert_eq!((losses, old.losses_to_report()), (Some(2), None));
         let mut resent = outbox(events(9).max_age(Some(Duration::from_millis(200))), 2, true);
         send(&mut resent, 1..=2);
         resent.connection_lost(false);

@@ -20,7 +20,9 @@ use tokio::time::{Instant, sleep, sleep_until};
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
 use crate::link::{ConnectionPair, Link};
 use crate::notice::BusNotice;
-use crate::outbox::{EncodedMessage, MessageHeader, NextToSend, OutgoingMessage, PublisherOutbox};
+use crate::outbox::{
+    EncodedMessage, MessageHeader, NextToSend, OutgoingMessage, PublisherOutbox, REPORT_INTERVAL,
+};
 use crate::wire::MessageSource;
 
 /// Number of unacknowledged messages after which a barrier is set.
@@ -186,6 +188,7 @@ impl PublisherTask {
             } else {
                 self.shared.outbox().close();
             }
+            self.report_losses();
             if self.shared.is_closed.load(Ordering::Acquire) && self.shared.pending() == 0 {
                 // the client closes the channel on drop
                 return Ok(());
@@ -198,10 +201,20 @@ impl PublisherTask {
                 () = sleep_until(session.barrier_due), if session.may_set_barrier() => {
                     session.set_barrier();
                 }
+                () = sleep(REPORT_INTERVAL), if self.shared.outbox().has_unreported_losses() => {}
                 () = sleep_until(session.retry_at.unwrap_or(session.barrier_due)), if session.retry_at.is_some() => {
                     session.retry_at = None;
                 }
             }
+        }
+    }
+
+    /// Reports losses that the component has not learnt of.
+    fn report_losses(&self) {
+        let losses = self.shared.outbox().losses_to_report();
+        if let Some(losses) = losses {
+            let what = self.key.clone();
+            self.link.report(BusNotice::Undelivered { what, losses });
         }
     }
 

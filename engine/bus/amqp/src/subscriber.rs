@@ -19,13 +19,13 @@ use tokio::sync::oneshot;
 use tokio::time::{Instant, sleep, sleep_until};
 
 use crate::binding_refresh::BindingRefresh;
-use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError};
+use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError, Consumption};
 use crate::duplicate_filter::DuplicateFilter;
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
 use crate::names::RoutingNames;
 use crate::notice::BusNotice;
-use crate::wire::{self, Headers};
+use crate::wire::{self, Headers, MessageIdentity};
 
 /// Limit of unacknowledged events.
 const PREFETCH: u16 = 1024;
@@ -64,6 +64,52 @@ struct PendingAcknowledgement {
     due: Option<Instant>,
 }
 
+/// What a subscription remembers of the messages that arrived, for as long as it lasts.
+struct Arrivals {
+    repeats: DuplicateFilter,
+    /// Beginning of the subscription.
+    origin: std::time::Instant,
+    /// Arrival of the last message, or beginning of the last session.
+    last: std::time::Instant,
+    /// Number of messages to come that were in the queue when the session began, and how long they may have been there.
+    backlog: (u32, Duration),
+}
+
+impl Arrivals {
+    fn new() -> Self {
+        let now = std::time::Instant::now();
+        Self {
+            repeats: DuplicateFilter::default(),
+            origin: now,
+            last: now,
+            backlog: (0, Duration::ZERO),
+        }
+    }
+
+    /// Called when the queue is consumed again, with the number of messages in it.
+    fn begin_session(&mut self, backlog: u32) {
+        self.backlog = (backlog, self.last.elapsed());
+        self.last = std::time::Instant::now();
+    }
+
+    /// Returns how long the next message has waited on its way. For one that was in the queue, and whose stream or sender does
+    /// not show it, that is the longest possible time.
+    fn waited(&mut self, identity: &MessageIdentity, sent: Option<u64>) -> Duration {
+        let now = std::time::Instant::now();
+        self.last = now;
+        let (left, age) = &mut self.backlog;
+        let was_queued = *left > 0;
+        *left = left.saturating_sub(1);
+        match (sent, self.repeats.transit(identity)) {
+            (Some(sent), Some(transit)) if transit.is_known() || !was_queued => {
+                transit.waited(sent, self.origin, now)
+            }
+            (Some(_) | None, Some(_) | None) if was_queued => *age,
+            (Some(_) | None, Some(_) | None) => Duration::ZERO,
+        }
+    }
+}
+
 impl PendingAcknowledgement {
     fn count(&self) -> u64 {
         self.last.saturating_sub(self.acknowledged)
@@ -90,11 +136,11 @@ impl PendingAcknowledgement {
 
 impl SubscriberTask {
     pub(crate) async fn run(mut self) {
-        let mut repeats = DuplicateFilter::default();
+        let mut arrivals = Arrivals::new();
         let link = Arc::clone(&self.link);
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
-                end = self.session(&pair, &mut repeats) => end,
+                end = self.session(&pair, &mut arrivals) => end,
                 () = link.wait_until_replaced(&pair) => Err(ChannelError::Lost),
             };
             match end {
@@ -120,7 +166,7 @@ impl SubscriberTask {
     async fn session(
         &mut self,
         pair: &ConnectionPair,
-        repeats: &mut DuplicateFilter,
+        arrivals: &mut Arrivals,
     ) -> Result<(), ChannelError> {
         let (channel, mut words) = channel::open(&pair.consumers)
             .await
@@ -134,7 +180,9 @@ impl SubscriberTask {
             });
         }
         let begun = self.declare(&channel).await;
-        let mut messages = begun.map_err(|_| channel::close_reason(&mut words))?;
+        let begun = begun.map_err(|_| channel::close_reason(&mut words))?;
+        arrivals.begin_session(begun.backlog);
+        let mut messages = begun.messages;
         self.ready.report(Ok(()));
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.wait_until_closing());
@@ -156,7 +204,7 @@ impl SubscriberTask {
                     let Some(message) = message else {
                         return Err(ChannelError::Cancelled);
                     };
-                    owed.last = owed.last.max(self.take_batch(message, &mut messages, repeats));
+                    owed.last = owed.last.max(self.take_batch(message, &mut messages, arrivals));
                     // for a state, the broker sends the next message only after this acknowledgement
                     if self.policy == QueuePolicy::Latest || owed.count() >= OWED {
                         owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
@@ -179,7 +227,7 @@ impl SubscriberTask {
         Ok(())
     }
 
-    async fn declare(&self, channel: &Channel) -> AmqpResult<UnboundedReceiver<ConsumerMessage>> {
+    async fn declare(&self, channel: &Channel) -> AmqpResult<Consumption> {
         let mut queue = QueueDeclareArguments::new(&self.queue);
         let (prefetch, length, overflow) = match self.policy {
             QueuePolicy::Latest => {
@@ -219,27 +267,31 @@ impl SubscriberTask {
         &self,
         first: ConsumerMessage,
         messages: &mut UnboundedReceiver<ConsumerMessage>,
-        repeats: &mut DuplicateFilter,
+        arrivals: &mut Arrivals,
     ) -> u64 {
         let mut last = 0;
         let mut next = Some(first);
         for _ in 0..TAKEN {
             let Some(message) = next else { break };
-            last = self.deliver(message, repeats).unwrap_or(last);
+            last = self.deliver(message, arrivals).unwrap_or(last);
             next = messages.try_recv().ok();
         }
         match next {
-            Some(message) => self.deliver(message, repeats).unwrap_or(last),
+            Some(message) => self.deliver(message, arrivals).unwrap_or(last),
             None => last,
         }
     }
 
     /// Passes on one message. Returns its delivery tag.
-    fn deliver(&self, message: ConsumerMessage, repeats: &mut DuplicateFilter) -> Option<u64> {
+    fn deliver(&self, message: ConsumerMessage, arrivals: &mut Arrivals) -> Option<u64> {
         let deliver = message.deliver?;
         let properties = message.basic_properties.unwrap_or_default();
         let topic = self.names.topic(deliver.routing_key());
-        if !repeats.is_new(wire::identity(&properties, topic)) {
+        let identity = wire::identity(&properties, topic);
+        let is_new = arrivals.repeats.is_new(&identity);
+        let waited = arrivals.waited(&identity, wire::sent(&properties));
+        let repeats = &mut arrivals.repeats;
+        if !is_new {
             self.sender.count_duplicate();
             return Some(deliver.delivery_tag());
         }
@@ -255,9 +307,11 @@ impl SubscriberTask {
             self.sender.set_missed(repeats.missed());
         }
         match wire::payload(&properties, message.content.unwrap_or_default()) {
-            Ok(payload) => self
-                .sender
-                .push(wire::envelope(topic, &properties, payload)),
+            Ok(payload) => {
+                let mut envelope = wire::envelope(topic, &properties, payload);
+                envelope.age = envelope.age.saturating_add(waited);
+                self.sender.push(envelope);
+            }
             Err(reason) => {
                 self.sender.count_unreadable();
                 let what = topic.to_owned();

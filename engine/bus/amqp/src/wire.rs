@@ -1,7 +1,7 @@
 //! Wire format: properties, headers, content types. `docs/wire.md` documents it for other implementations.
 
-use std::sync::Arc;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, LazyLock};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
 use asmotion_bus::{Envelope, Payload, TraceContext};
@@ -21,6 +21,8 @@ pub const STAMP: &str = "stamp";
 pub const AGE: &str = "age";
 /// Header: name of the sender's clock, for example `wall:rover1`.
 pub const CLOCK: &str = "clock";
+/// Header: time of this sending, in nanoseconds of a clock of the sending process that does not jump.
+pub const SENT: &str = "sent";
 /// Header: W3C trace context of the message.
 pub const TRACE: &str = "traceparent";
 /// Header of a request: instant at which its caller gives up, in nanoseconds of Unix time by the caller's clock.
@@ -159,6 +161,7 @@ impl MessageSource {
             .count(SEQUENCE, sequence)
             .number(STAMP, stamp)
             .count(AGE, nanoseconds(age))
+            .count(SENT, nanoseconds(process_time()))
             .text(CLOCK, &self.clock)
             .text(TRACE, &trace.to_string())
             .into_table();
@@ -175,6 +178,17 @@ impl MessageSource {
         }
         properties.finish()
     }
+}
+
+/// Time since the first use of this clock, which does not jump.
+fn process_time() -> Duration {
+    static ORIGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    ORIGIN.elapsed()
+}
+
+/// Time of a message's sending by its sender's clock, in nanoseconds; `None` if the sender has left it out.
+pub(crate) fn sent(properties: &BasicProperties) -> Option<u64> {
+    count(properties, SENT)
 }
 
 /// Returns a duration in nanoseconds, limited to the range of a header.

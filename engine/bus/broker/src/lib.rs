@@ -8,11 +8,13 @@
 mod broker;
 mod control;
 mod files;
+mod line;
 mod ports;
 mod process;
 mod shared;
 mod vhost;
 
 pub use broker::{BrokerError, TestBroker};
+pub use line::Line;
 pub use shared::{ExclusiveBroker, SharedBroker, alone, calm};
 pub use vhost::Vhost;

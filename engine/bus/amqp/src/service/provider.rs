@@ -212,7 +212,8 @@ impl ProviderTask {
         queue.exclusive(true).arguments(arguments.into_table());
         let mut consume = BasicConsumeArguments::new(&post.queue, "");
         consume.manual_ack(true);
-        channel::consume(channel, queue, self.binding(), PREFETCH, consume).await
+        let begun = channel::consume(channel, queue, self.binding(), PREFETCH, consume);
+        Ok(begun.await?.messages)
     }
 
     fn binding(&self) -> QueueBindArguments {

@@ -1,63 +1,14 @@
 //! A connection to the broker that goes silent without being closed: half-open TCP.
 
-use std::io::{Read, Write};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use asmotion_broker::Line;
 use asmotion_bus::{Bus, PublishOptions, QueuePolicy};
 
 use crate::common::{
     LONG, all, connect, events, eventually, is_down, number, numbers, publisher, quick, subscribe,
 };
-
-/// A proxy that forwards in both directions, except while it is cut; neither end notices.
-struct Line {
-    port: u16,
-    cut: Arc<AtomicBool>,
-}
-
-impl Line {
-    fn to(broker: SocketAddr) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let line = Self {
-            port: listener.local_addr().unwrap().port(),
-            cut: Arc::default(),
-        };
-        let cut = Arc::clone(&line.cut);
-        thread::spawn(move || {
-            for near in listener.incoming().map_while(Result::ok) {
-                let far = TcpStream::connect(broker).unwrap();
-                for (from, to) in [(&near, &far), (&far, &near)] {
-                    let (from, to) = (from.try_clone().unwrap(), to.try_clone().unwrap());
-                    let cut = Arc::clone(&cut);
-                    thread::spawn(move || pass_on(from, to, &cut));
-                }
-            }
-        });
-        line
-    }
-
-    fn cut(&self, cut: bool) {
-        self.cut.store(cut, Ordering::Release);
-    }
-}
-
-fn pass_on(mut from: TcpStream, mut to: TcpStream, cut: &AtomicBool) {
-    let mut bytes = [0; 4096];
-    while let Ok(count @ 1..) = from.read(&mut bytes) {
-        while cut.load(Ordering::Acquire) {
-            thread::sleep(Duration::from_millis(5));
-        }
-        if to.write_all(&bytes[..count]).is_err() {
-            break;
-        }
-    }
-    // fails if the other end has closed already
-    let _ = to.shutdown(Shutdown::Both);
-}
 
 #[test]
 fn a_line_that_goes_silent_is_given_up_and_taken_up_again_without_a_loss() {
@@ -65,9 +16,9 @@ fn a_line_that_goes_silent_is_given_up_and_taken_up_again_without_a_loss() {
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let line = Line::to(broker.address());
+    let line = Line::to(broker.address()).unwrap();
     let mut behind = quick(&vhost.url());
-    behind.port = line.port;
+    behind.port = line.port();
     behind.timing.connect = Duration::from_secs(2);
     let (writer, reader) = (connect(behind), connect(quick(&vhost.url())));
     let subscription = subscribe(&reader, "events", all(1000));

@@ -1,0 +1,360 @@
+//! What a driver receives first after its commander, the driver itself, the broker or the link comes back: nothing that is
+//! older than its connection allows, nothing twice, and a count of what is missing.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use asmotion_broker::{Line, TestBroker, Vhost};
+use serde_json::Value;
+
+use crate::processes::{queues, run_any};
+use crate::stranger::python;
+
+/// Time for everything to come back on a loaded machine.
+const LONG: Duration = Duration::from_secs(60);
+/// Age in ms that no command may have that the driver reads: the limit of its connection, and the time that a loaded machine
+/// takes to pass a line of output on.
+const OLDEST: u64 = 500 + 1000;
+/// Duration of an interruption, in which commands get much older than that.
+const INTERRUPTION: Duration = Duration::from_secs(4);
+
+const DRIVER: &str = "asm driver
+import StandardLibrary
+signature:
+	monitored command: Integer
+	monitored given: Integer
+	controlled number: Integer
+	controlled at: Integer
+definitions:
+	main rule r_Main = if command > 0 then par number := command at := given endpar endif
+default init s0:
+	function number = 0
+	function at = 0
+";
+
+const COMPOSITE: &str = r#"schema = "composite/1"
+[composite]
+name = "driven"
+[components.Driver]
+implementation = { asm = "driver.asm" }
+activity = { period_ms = 5 }
+subscribe = { command = "builtin_interfaces/Time" }
+[components.Driver.bind.monitored]
+command = { topic = "command", receive = "all", field = "sec", none = 0 }
+given   = { topic = "command", receive = "all", field = "nanosec", none = 0 }
+[[connections]]
+from = "topic:command"
+to = "Driver.command"
+policy = { type = "buffer", size = 1000, max_age_ms = 500, on_stale = "no_data" }
+[[promote]]
+topic = "command"
+as = "command"
+"#;
+
+/// A command that the driver has read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Received {
+    number: u64,
+    /// Its age when the line of output was read, in ms.
+    age: u64,
+}
+
+/// A driver, and what it has received.
+struct Driver {
+    child: Child,
+    received: Arc<Mutex<Vec<Received>>>,
+    lines: Arc<Mutex<Vec<Value>>>,
+    reader: Option<std::thread::JoinHandle<()>>,
+}
+
+fn milliseconds() -> u64 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+    now.as_millis() as u64 % (1 << 32)
+}
+
+impl Driver {
+    fn start(folder: &Path, broker: &TestBroker, url: &str) -> Self {
+        std::fs::write(folder.join("driver.asm"), DRIVER).unwrap();
+        let composite = folder.join("driven.composite.toml");
+        std::fs::write(&composite, COMPOSITE).unwrap();
+        let mut command = run_any(&composite);
+        command.args(["--bus", url]).stderr(Stdio::null());
+        command.env("ASMOTION_PASSWORD", broker.password());
+        let mut child = command.spawn().unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let (received, told) = (
+            Arc::<Mutex<Vec<_>>>::default(),
+            Arc::<Mutex<Vec<_>>>::default(),
+        );
+        let (to, all) = (Arc::clone(&received), Arc::clone(&told));
+        let reader = std::thread::spawn(move || {
+            for line in lines.map_while(Result::ok) {
+                let line: Value = serde_json::from_str(&line).unwrap();
+                to.lock().unwrap().extend(command_of(&line));
+                all.lock().unwrap().push(line);
+            }
+        });
+        Self {
+            child,
+            received,
+            lines: told,
+            reader: Some(reader),
+        }
+    }
+
+    fn received(&self) -> Vec<Received> {
+        self.received.lock().unwrap().clone()
+    }
+
+    fn signal(&self, signal: &str) {
+        let pid = self.child.id().to_string();
+        let sent = Command::new("kill").args([signal, &pid]).status();
+        assert!(sent.unwrap().success());
+    }
+
+    /// Waits until it has received so many commands after the first `known`.
+    #[track_caller]
+    fn wait_for(&self, count: usize, known: usize) {
+        let until = Instant::now() + LONG;
+        while self.received().len() < known + count {
+            assert!(Instant::now() < until, "no commands: {:?}", self.received());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Ends it like Ctrl-C. Returns the number of commands that it reports as lost.
+    fn end(&mut self) -> u64 {
+        self.signal("-INT");
+        self.child.wait().unwrap();
+        self.reader.take().unwrap().join().unwrap();
+        let lines = self.lines.lock().unwrap();
+        let summary = lines.last().unwrap();
+        assert_eq!(summary["type"], "summary", "{summary}");
+        let lost = summary["lost"].as_array().unwrap().iter();
+        lost.map(|input| input["count"].as_u64().unwrap()).sum()
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The command that a step has read.
+fn command_of(line: &Value) -> Option<Received> {
+    let updates = line["step"]["updates"].as_array()?;
+    let value = |location| {
+        let update = updates
+            .iter()
+            .find(|update| update["location"] == location)?;
+        update["after"].as_str()?.parse::<u64>().ok()
+    };
+    Some(Received {
+        number: value("number")?,
+        age: (milliseconds() + (1 << 32) - value("at")?) % (1 << 32),
+    })
+}
+
+/// A foreign program that gives commands.
+struct Commander(Child);
+
+impl Commander {
+    fn start(python: &Path, url: &str, first: u64, form: &str) -> Self {
+        let peer = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/returns/peer.py");
+        let mut command = Command::new(python);
+        command
+            .arg(peer)
+            .args(["give", url, "driven.command", &first.to_string(), form]);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        Self(child.unwrap())
+    }
+}
+
+impl Drop for Commander {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Checks that no command is old, doubled or out of order.
+#[track_caller]
+fn assert_good(received: &[Received]) {
+    let numbers: Vec<_> = received.iter().map(|it| it.number).collect();
+    assert!(numbers.is_sorted_by(|one, next| one < next), "{received:?}");
+    let oldest = received.iter().map(|it| it.age).max();
+    assert!(
+        oldest.is_some_and(|age| age <= OLDEST),
+        "{oldest:?} ms: {received:?}"
+    );
+}
+
+/// Number of commands missing between the first and the last.
+fn missing(received: &[Received]) -> u64 {
+    let (first, last) = (
+        received.first().unwrap().number,
+        received.last().unwrap().number,
+    );
+    last - first + 1 - received.len() as u64
+}
+
+fn url(broker: &TestBroker, vhost: &Vhost<'_>, port: u16) -> String {
+    format!("amqp://{}@127.0.0.1:{port}/{}", broker.user(), vhost.name())
+}
+
+/// A driver and its commander, whose commands arrive; the commander's link is not the driver's.
+fn driven(
+    broker: &TestBroker,
+    vhost: &Vhost<'_>,
+    folder: &Path,
+    port: u16,
+    form: &str,
+) -> Option<(Driver, Commander)> {
+    let python = python()?;
+    let driver = Driver::start(folder, broker, &url(broker, vhost, port));
+    queues(vhost, "robots.services.driven.control.");
+    let commander = Commander::start(python, &vhost.url(), 1, form);
+    driver.wait_for(10, 0);
+    Some((driver, commander))
+}
+
+#[test]
+fn commands_after_the_commander_is_killed_and_starts_again_are_new_ones() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let (vhost, folder) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+    let port = broker.address().port();
+    let Some((mut driver, commander)) = driven(&broker, &vhost, folder.path(), port, "full") else {
+        return;
+    };
+    drop(commander);
+    std::thread::sleep(Duration::from_secs(1));
+    let before = driver.received();
+    assert_eq!(missing(&before), 0);
+    let _commander = Commander::start(python().unwrap(), &vhost.url(), 100_001, "full");
+    driver.wait_for(10, before.len());
+    let received = driver.received();
+    assert_good(&received);
+    // its first command is among them
+    assert_eq!(received[before.len()].number, 100_001);
+    assert_eq!(driver.end(), 0);
+}
+
+#[test]
+fn commands_after_the_driver_is_killed_and_starts_again_are_new_ones() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let (vhost, folder) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+    let port = broker.address().port();
+    let Some((driver, _commander)) = driven(&broker, &vhost, folder.path(), port, "full") else {
+        return;
+    };
+    let before = driver.received();
+    drop(driver);
+    std::thread::sleep(INTERRUPTION);
+    let mut driver = Driver::start(folder.path(), &broker, &url(&broker, &vhost, port));
+    driver.wait_for(20, 0);
+    let received = driver.received();
+    assert_good(&received);
+    assert!(
+        received[0].number > before.last().unwrap().number + 50,
+        "{received:?}"
+    );
+    assert_eq!((driver.end(), missing(&received)), (0, 0));
+}
+
+/// A driver that did not run for a while: commands wait at the broker, and in the sockets of the driver's connection.
+#[test]
+fn commands_that_waited_for_a_stopped_driver_are_discarded_and_counted() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let (vhost, folder) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+    let port = broker.address().port();
+    let Some((mut driver, _commander)) = driven(&broker, &vhost, folder.path(), port, "full")
+    else {
+        return;
+    };
+    driver.signal("-STOP");
+    std::thread::sleep(INTERRUPTION);
+    driver.signal("-CONT");
+    let known = driver.received().len();
+    driver.wait_for(50, known);
+    let lost = driver.end();
+    let received = driver.received();
+    assert_good(&received);
+    assert!(missing(&received) > 50, "{received:?}");
+    assert_eq!(lost, missing(&received), "{received:?}");
+}
+
+/// A radio link that fails for a while: shorter than it takes to give up the connection, and longer.
+#[test]
+fn commands_that_waited_for_the_link_are_discarded_and_counted() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    for cut in [Duration::from_secs(3), Duration::from_secs(8)] {
+        let (vhost, folder) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+        let line = Line::to(broker.address()).unwrap();
+        let Some((mut driver, _commander)) =
+            driven(&broker, &vhost, folder.path(), line.port(), "full")
+        else {
+            return;
+        };
+        line.cut(true);
+        std::thread::sleep(cut);
+        let known = driver.received().len();
+        line.cut(false);
+        driver.wait_for(50, known);
+        let lost = driver.end();
+        let received = driver.received();
+        assert_good(&received);
+        assert!(missing(&received) > 50, "{received:?}");
+        assert_eq!(lost, missing(&received), "{cut:?}: {received:?}");
+    }
+}
+
+/// The broker ends in order and starts again, or is killed, while the driver does not run and commands wait.
+#[test]
+fn commands_that_waited_at_a_broker_that_was_down_are_discarded_and_counted() {
+    let Some(broker) = asmotion_broker::alone() else {
+        return;
+    };
+    for (form, kill) in [("full", false), ("full", true), ("plain", true)] {
+        let (vhost, folder) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+        let port = broker.address().port();
+        let Some((mut driver, _commander)) = driven(&broker, &vhost, folder.path(), port, form)
+        else {
+            return;
+        };
+        driver.signal("-STOP");
+        std::thread::sleep(Duration::from_secs(1));
+        if kill {
+            broker.kill().unwrap();
+            broker.revive().unwrap();
+        } else {
+            broker.stop_app().unwrap();
+            broker.start_app().unwrap();
+        }
+        std::thread::sleep(INTERRUPTION);
+        driver.signal("-CONT");
+        let known = driver.received().len();
+        driver.wait_for(50, known);
+        let lost = driver.end();
+        let received = driver.received();
+        assert_good(&received);
+        assert!(missing(&received) > 50, "{form}: {received:?}");
+        if form == "full" {
+            assert_eq!(lost, missing(&received), "{kill}: {received:?}");
+        } else {
+            assert!(lost > 0, "{received:?}");
+        }
+    }
+}
