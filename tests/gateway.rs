@@ -440,25 +440,71 @@ print(server.server_port, flush=True)
 server.serve_forever()
 "#;
 
-#[test]
-fn c5_a_reference_calls_a_service_written_in_python() {
-    let folder = tempfile::tempdir().unwrap();
-    let (_, street) = offices(folder.path());
+/// The courier's run against a server with this text; `None`, with a notice, without Python.
+fn courier_of(street: &Path, server: &str) -> Option<std::process::Output> {
     let mut command = Command::new("python3");
-    command.args(["-c", PYTHON]).stdout(Stdio::piped());
+    command.args(["-c", server]).stdout(Stdio::piped());
     let Ok(mut server) = command.stderr(Stdio::null()).spawn() else {
         asmotion_skip::PYTHON.skip();
-        return;
+        return None;
     };
     let mut port = String::new();
     std::io::BufReader::new(server.stdout.as_mut().unwrap())
         .read_line(&mut port)
         .unwrap();
     let url = format!("http://127.0.0.1:{}/jobs", port.trim());
-    let output = courier(&street, &url, "none", &["--clock", "wall"]);
+    let output = courier(street, &url, "none", &["--clock", "wall"]);
     server.kill().unwrap();
     server.wait().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    Some(output)
+}
+
+#[test]
+fn c5_a_reference_calls_a_service_written_in_python() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, street) = offices(folder.path());
+    if let Some(output) = courier_of(&street, PYTHON) {
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+}
+
+#[test]
+fn c5_a_server_that_answers_wrongly_fails_the_call_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, street) = offices(folder.path());
+    let answer = "json.dumps(argument + 3).encode()";
+    for (wrong, error) in [
+        (r#"b"""#, "null"),
+        (r#"b'"seven"'"#, "null"),
+        (r#"b'{"a":'"#, "BAD_REPLY"),
+        (r#"b"<html>""#, "BAD_REPLY"),
+        ("self.send_error(500)", "HTTP_500"),
+        ("__import__('time').sleep(9)", "cancelled"),
+    ] {
+        let Some(output) = courier_of(&street, &PYTHON.replace(answer, wrong)) else {
+            return;
+        };
+        // the courier asks again until its time is up
+        assert_eq!(output.status.code(), Some(1), "{wrong}: {output:?}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        let lines = text
+            .lines()
+            .map(|it| serde_json::from_str::<Value>(it).unwrap());
+        let lines: Vec<_> = lines.collect();
+        let mut replies = lines.iter().filter(|line| line["type"] == "reply");
+        let reply = replies
+            .next_back()
+            .unwrap_or_else(|| panic!("{wrong}: {text}"));
+        assert!(
+            reply["error"].to_string().contains(error),
+            "{wrong}: {reply}"
+        );
+        if error == "null" {
+            // the reply does not fit the operation
+            let last = lines.iter().rfind(|line| line["type"] == "losses").unwrap();
+            assert!(last["misfits"].as_u64() > Some(1), "{wrong}: {last}");
+        }
+    }
 }
 
 /// The courier with a dispatcher in its own process, which is stopped, and one behind a gateway.

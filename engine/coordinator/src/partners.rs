@@ -336,11 +336,15 @@ fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value,
     Some((Value::Atom(*atom), name.to_string()))
 }
 
-/// The content of a message. An empty message is `true`, to distinguish it from no message.
+/// The content of a message. An empty message is `true`, to distinguish it from no message, unless it has to have a value.
 fn content(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
+    let is_nothing = *datum == Datum::Null;
     let is_empty = matches!(datum, Datum::Record(fields) if fields.is_empty());
-    if is_empty || *datum == Datum::Null {
+    if (is_empty || is_nothing) && matches!(shape, ValueShape::Any | ValueShape::Bool) {
         return Some(Value::Bool(true));
+    }
+    if is_nothing {
+        return None;
     }
     value_of(datum, shape, program)
 }

@@ -273,10 +273,13 @@ fn a_server_that_is_not_there_is_unavailable_before_the_deadline() {
     assert_eq!(call(&url, 20 * SECOND), Err(CallFailure::Unavailable));
     let unknown = call("http://nowhere.invalid/any", 20 * SECOND);
     assert_eq!(unknown, Err(CallFailure::Unavailable));
-    // not encrypted
+}
+
+#[test]
+fn a_server_that_does_not_encrypt_is_a_fault_with_the_reason() {
     let peer = Peer::saying(response("200 OK", "1"));
     let url = peer.url().replace("http:", "https:");
-    assert_eq!(call(&url, 20 * SECOND), Err(CallFailure::Unavailable));
+    is_refused(call(&url, 20 * SECOND), "NO_TLS", "");
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! Connections to servers, kept for a moment to be used again.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use asmotion_bus::CallFailure;
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::client::conn::http1::{self, SendRequest};
@@ -18,6 +20,7 @@ use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName};
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
+use super::outcome::refusal;
 use super::target::Server;
 
 /// Time for which an idle connection is kept: less than that of common servers, so that a request hardly ever meets a
@@ -85,25 +88,34 @@ impl ConnectionPool {
     }
 
     /// Opens a connection. An error means that the server is unavailable.
-    pub(super) async fn open(&self, server: &Server) -> Result<Connection, ()> {
+    pub(super) async fn open(&self, server: &Server) -> Result<Connection, CallFailure> {
         let stream = TcpStream::connect((&*server.host, server.port)).await;
-        let stream = stream.map_err(drop)?;
+        let stream = stream.map_err(|_| CallFailure::Unavailable)?;
         // not essential: without it requests are sent a little later
         let _ = stream.set_nodelay(true);
         if !server.encrypted {
             return handshake(stream).await;
         }
-        let name = ServerName::try_from(server.host.clone()).map_err(drop)?;
-        let stream = self.tls.connect(name, stream).await.map_err(drop)?;
+        let name = ServerName::try_from(server.host.clone());
+        let name = name.map_err(|error| refusal("NO_TLS", error.to_string()))?;
+        let stream = self.tls.connect(name, stream).await;
+        let stream = stream.map_err(|error| {
+            // a server that cannot be trusted, or that does not encrypt; waiting does not help
+            if error.kind() == ErrorKind::InvalidData {
+                refusal("NO_TLS", error.to_string())
+            } else {
+                CallFailure::Unavailable
+            }
+        })?;
         handshake(stream).await
     }
 }
 
 async fn handshake(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
-) -> Result<Connection, ()> {
+) -> Result<Connection, CallFailure> {
     let opened = http1::handshake(TokioIo::new(stream)).await;
-    let (sender, connection) = opened.map_err(drop)?;
+    let (sender, connection) = opened.map_err(|_| CallFailure::Unavailable)?;
     // errors reach the request as well
     let task = tokio::spawn(async move { connection.await.unwrap_or_default() });
     Ok(Connection {

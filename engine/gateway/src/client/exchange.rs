@@ -114,9 +114,7 @@ impl Exchange {
         let now = Instant::now();
         let until = now + self.deadline.saturating_duration_since(now) / 2;
         let opened = timeout_at(until.into(), pool.open(&self.target.server)).await;
-        opened
-            .unwrap_or(Err(()))
-            .map_err(|()| CallFailure::Unavailable)
+        opened.unwrap_or(Err(CallFailure::Unavailable))
     }
 }
 
