@@ -16,6 +16,8 @@ pub use driven_path::DrivenPath;
 pub use robot::{RobotSummary, Robots};
 pub use summary::{EventCounts, Summary};
 
+use std::collections::BTreeMap;
+
 use asmotion_component::{CallError, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
@@ -36,6 +38,8 @@ pub struct Story {
     inputs: Vec<StoryInput>,
     repeats: RepeatedEntries,
     summary: Summary,
+    /// Names of components in logs, where they differ from those in the composite.
+    ids: BTreeMap<String, String>,
 }
 
 /// An entry of the story.
@@ -62,12 +66,14 @@ impl Story {
     pub fn of(plan: &Plan) -> Self {
         Self {
             inputs: input::of(plan),
+            ids: ids(plan),
             ..Self::default()
         }
     }
 
     /// Tells the story of another version of the system from now on.
     pub fn follow(&mut self, plan: &Plan) {
+        self.ids = ids(plan);
         let known = std::mem::replace(&mut self.inputs, input::of(plan));
         for input in &mut self.inputs {
             input.continue_from(&known);
@@ -243,15 +249,13 @@ impl Story {
             }
             LOG_REPORT => {
                 let what = what.as_text().unwrap_or_default();
-                Some(warning_entry(NOTE, "log", format!("{component}: {what}")))
+                let id = self.ids.get(component).map_or(component, String::as_str);
+                Some(warning_entry(NOTE, "log", format!("{id}: {what}")))
             }
             NOTICE_REPORT => {
                 let what = what.as_text().unwrap_or_default();
-                Some(warning_entry(
-                    NOTE,
-                    "notice",
-                    format!("{component}: {what}"),
-                ))
+                let id = self.ids.get(component).map_or(component, String::as_str);
+                Some(warning_entry(NOTE, "notice", format!("{id}: {what}")))
             }
             _ => None,
         }
@@ -305,6 +309,14 @@ impl Story {
             }
         }
     }
+}
+
+/// The names of the plan's components outside the composite, where they differ.
+fn ids(plan: &Plan) -> BTreeMap<String, String> {
+    let components = plan.components.iter().filter(|it| it.id != it.name);
+    components
+        .map(|it| (it.name.clone(), it.id.clone()))
+        .collect()
 }
 
 /// The entry for a message to a specification, if it is worth reporting.

@@ -9,6 +9,7 @@
 )]
 
 mod access;
+mod ages;
 mod app;
 mod assembly;
 mod ball_tracker;
@@ -22,6 +23,7 @@ mod fleet;
 mod gateway;
 mod health;
 mod house;
+mod identity;
 mod inspection;
 mod keys;
 mod language;
@@ -37,6 +39,7 @@ mod programs;
 mod programs_cpp;
 mod reconfigure;
 mod repl;
+mod returns;
 mod robots;
 mod ros;
 mod ros1;

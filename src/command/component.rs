@@ -191,8 +191,13 @@ pub(super) fn show(
     component: &PresentComponent,
     terminal: &mut TerminalOutput,
 ) {
+    let id = if component.id.is_empty() || component.id == component.name {
+        String::new()
+    } else {
+        format!(" ({})", component.id)
+    };
     terminal.result(format_args!(
-        "{NAME}{}{NAME:#}: {} in process {} of {}",
+        "{NAME}{}{NAME:#}{id}: {} in process {} of {}",
         component.name,
         component.state,
         remote_component.process(),

@@ -102,7 +102,7 @@ impl TopicSubscription {
             }
         });
         let (bus, pattern) = (&identity.bus, Pattern::new(topic));
-        let reader = system.component_name(input);
+        let reader = system.external_name(input);
         let route = TopicRoute {
             subscription: bus.subscribe(
                 &reader,

@@ -96,7 +96,7 @@ fn publish(
     options: PublishOptions,
     identity: &BusIdentity,
 ) -> Result<(), BusError> {
-    let origin = SenderId::new(system.component_name(end), identity.incarnation);
+    let origin = SenderId::new(system.external_name(end), identity.incarnation);
     let cause = system.cycle_cause(end);
     let schema = system.output_schema(end);
     let publisher = identity.bus.publisher(topic, &origin, schema, options)?;

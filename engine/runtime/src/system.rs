@@ -3,6 +3,7 @@
 mod attach;
 mod join;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use asmotion_component::{
@@ -62,6 +63,8 @@ pub(crate) use join::operation_indices;
 #[derive(Default)]
 pub struct System {
     pub(crate) units: Vec<ComponentUnit>,
+    /// Names of components outside the system, by position; the others have the same name outside.
+    pub(crate) external_names: BTreeMap<usize, Arc<str>>,
     pub(crate) observers: Vec<Box<dyn Observer>>,
     pub(crate) topics: Vec<SystemTopic>,
     /// Adapters, not the system itself, connect publishers and subscribers.

@@ -3,7 +3,7 @@
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::TerminalOutput;
-use asmotion_remote::Remote;
+use asmotion_remote::{Presence, Remote};
 use clap::Args;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
@@ -41,6 +41,7 @@ impl TopicList {
                 if let Some(kind) = &topic.kind {
                     known.kind.clone_from(kind);
                 }
+                let components = |ports| components(ports, &presence.presence);
                 known.publishers.extend(components(&topic.publishers));
                 known.subscribers.extend(components(&topic.subscribers));
             }
@@ -69,11 +70,14 @@ impl TopicList {
     }
 }
 
-/// The components of these ports.
-fn components(ports: &[String]) -> impl Iterator<Item = String> {
+/// The components of these ports, by their names outside the composite.
+fn components(ports: &[String], presence: &Presence) -> Vec<String> {
     let component = |port: &String| {
-        port.rsplit_once('.')
-            .map_or(port.clone(), |(it, _)| it.to_owned())
+        let name = port.rsplit_once('.').map_or(&**port, |(it, _)| it);
+        let mut known = presence.components.iter();
+        let id = known.find(|it| it.name == name).map(|it| it.id.clone());
+        id.filter(|id| !id.is_empty())
+            .unwrap_or_else(|| name.to_owned())
     };
-    ports.iter().map(component)
+    ports.iter().map(component).collect()
 }

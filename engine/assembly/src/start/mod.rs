@@ -185,6 +185,7 @@ impl Building<'_> {
         if let Some(reason) = failed {
             return Err(not_made(reason));
         }
+        self.system.set_external_name(id, &component.id);
         if let Some(broker) = self.plan.broker_of(&component.name) {
             self.network.assign_bus(id, broker);
         }
@@ -205,27 +206,41 @@ impl Building<'_> {
     /// Connects ports that are on a topic without an explicit connection.
     fn topics(&mut self, component: &asmotion_plan::Component) -> Result<(), StartError> {
         for port in &component.outputs {
+            let end = end(component, &port.name);
             if let Some(topic) = &port.topic
                 && self.has(&component.name, |declared| {
                     declared.output(&port.name).is_some()
                 })
+                && !self.is_connected(
+                    &Terminal::Port(end.clone()),
+                    &Terminal::Topic(topic.clone()),
+                )
             {
-                self.system
-                    .publish(&format!("{}.{}", component.name, port.name), topic)?;
+                self.system.publish(&end.to_string(), topic)?;
             }
         }
         for port in &component.inputs {
+            let end = end(component, &port.name);
             if let Some(topic) = &port.topic
                 && self.has(&component.name, |declared| {
                     declared.input(&port.name).is_some()
                 })
+                && !self.is_connected(
+                    &Terminal::Topic(topic.clone()),
+                    &Terminal::Port(end.clone()),
+                )
             {
-                let end = format!("{}.{}", component.name, port.name);
                 let policy = subscription_policy(self.plan, component, &port.name, topic);
-                self.system.subscribe(topic, &end, policy)?;
+                self.system.subscribe(topic, &end.to_string(), policy)?;
             }
         }
         Ok(())
+    }
+
+    /// Returns whether a connection of its own joins two terminals; its policy is then that of the subscription.
+    fn is_connected(&self, from: &Terminal, to: &Terminal) -> bool {
+        let mut connections = self.plan.connections.iter();
+        connections.any(|it| it.from == *from && it.to == *to)
     }
 
     /// Makes the services of a component available outside this part.
@@ -441,4 +456,11 @@ impl Component for Nothing {
 /// Creates a component by its factory in the catalogue.
 fn of_build(factory: asmotion_composite::ComponentFactory) -> Make {
     Box::new(move |interface: &mut Interface| Ok(factory(interface)))
+}
+
+fn end(component: &asmotion_plan::Component, name: &str) -> asmotion_plan::End {
+    asmotion_plan::End {
+        component: component.name.clone(),
+        name: name.to_owned(),
+    }
 }

@@ -7,6 +7,7 @@ use asmotion_component::declaration::{ReferenceDeclaration, ServiceDeclaration};
 use asmotion_datum::Schema;
 use asmotion_port::{AnySender, Notifier, OutputLink, Policy};
 
+use super::ComponentId;
 use super::System;
 use crate::adapter::Adapter;
 use crate::build_error::BuildError;
@@ -67,9 +68,16 @@ impl System {
         self.end(path, references)
     }
 
-    /// The name of an end's component.
-    pub fn component_name(&self, end: &ComponentEnd) -> Arc<str> {
-        Arc::clone(&self.units[end.unit].name)
+    /// Sets the name of a component outside the system: on buses, in the names of its queues there, and as the source of its
+    /// messages (default: its name in the system).
+    pub fn set_external_name(&mut self, component: ComponentId, name: &str) {
+        self.external_names.insert(component.0, name.into());
+    }
+
+    /// The name of an end's component outside the system.
+    pub fn external_name(&self, end: &ComponentEnd) -> Arc<str> {
+        let name = self.external_names.get(&end.unit);
+        Arc::clone(name.unwrap_or(&self.units[end.unit].name))
     }
 
     /// The cause of the cycles of an end's component.
