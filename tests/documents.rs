@@ -39,6 +39,9 @@ const BUILDERS: &[&str] = &[
     "./fuzz/sanitize.sh",
 ];
 
+/// Programs that begin a line of a block of commands.
+const COMMANDS: &[&str] = &["asmotion", "curl", "python3", "$"];
+
 /// A document with its blocks.
 struct Document {
     path: String,
@@ -118,8 +121,10 @@ fn every_command_does_what_the_documents_say() {
 fn every_block_of_commands_is_marked() {
     for document in documents() {
         for block in &document.blocks {
-            let is_command =
-                |line: &&String| line.starts_with("asmotion ") || line.starts_with("$ ");
+            let is_command = |line: &&String| {
+                let program = line.split_whitespace().next().unwrap_or_default();
+                COMMANDS.contains(&program) || BUILDERS.contains(&program)
+            };
             if let Some(line) = block.lines.iter().find(is_command) {
                 assert!(
                     matches!(&*block.language, "sh" | "console"),

@@ -62,7 +62,7 @@ the message `std_msgs/Header` of this build differs: field `stamp` here, field `
 }
 
 #[test]
-fn types_that_do_not_exist_are_an_error() {
+fn r7_types_that_do_not_exist_are_an_error() {
     let (code, _, err) = ros(&["types", "nav2_msgs/Spn"]);
     assert_eq!(code, 1);
     let message =

@@ -12,7 +12,7 @@ fn entries(text: &'static str) -> impl Iterator<Item = (InterfaceName, &'static 
 }
 
 #[test]
-fn md5_sums_are_those_of_genmsg() {
+fn r7_md5_sums_are_those_of_genmsg() {
     let noetic = Catalogue::included(Distribution::Ros1);
     let mut count = 0;
     for (name, sum) in entries(include_str!("data/md5.txt")) {

@@ -18,7 +18,7 @@ fn text(subscription: &Subscription) -> (String, String) {
 }
 
 #[test]
-fn rospy_receives_each_message_once_and_in_order() {
+fn r12_rospy_receives_each_message_once_and_in_order() {
     let Some(master) = Master::start() else {
         return;
     };
@@ -87,7 +87,7 @@ fn a_latched_message_reaches_late_subscribers_both_ways() {
 }
 
 #[test]
-fn several_observers_see_every_message_of_several_publishers_once() {
+fn r4_several_observers_see_every_message_of_several_publishers_once() {
     let Some(master) = Master::start() else {
         return;
     };
@@ -133,7 +133,7 @@ fn several_observers_see_every_message_of_several_publishers_once() {
 }
 
 #[test]
-fn an_observer_that_panics_is_isolated_and_counted() {
+fn r5_an_observer_that_panics_is_isolated_and_counted() {
     let Some(master) = Master::start() else {
         return;
     };
@@ -296,7 +296,7 @@ fn a_subscription_without_a_type_reads_by_the_definition_of_the_publisher() {
 }
 
 #[test]
-fn a_topic_is_declared_once() {
+fn r3_a_topic_is_declared_once() {
     let Some(master) = Master::start() else {
         return;
     };

@@ -10,7 +10,7 @@ use crate::peer::{
 };
 
 #[test]
-fn cyclone_reads_what_a_publisher_sends() {
+fn r12_cyclone_reads_what_a_publisher_sends() {
     let Some(python) = python() else { return };
     let domain = domain();
     let string = named("std_msgs/msg/String");
