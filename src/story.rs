@@ -78,6 +78,8 @@ impl Story {
         for input in &mut self.inputs {
             input.continue_from(&known);
         }
+        let is_present = |component: &str| plan.component(component).is_some();
+        self.summary.retain_coordinators(is_present);
     }
 
     /// The summary of all events so far.

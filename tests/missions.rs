@@ -60,7 +60,7 @@ fn tell(mission: &Mission) -> (String, MissionEnd) {
     story += &format!(
         "\n{:?} in {} after {:.2} s{}\n",
         ended.outcome,
-        summary.control_state.as_deref().unwrap_or("-"),
+        summary.control_state().unwrap_or("-"),
         ended.time.as_secs_f64(),
         way.collect::<String>(),
     );
@@ -173,11 +173,7 @@ fn an_estop_in_contact_comes_first() {
     ];
     let (story, ended) = tell(&mission(&script, SUDDEN_PILLAR));
     assert!(story.contains("collision at"), "{story}");
-    assert_eq!(
-        ended.summary.control_state.as_deref(),
-        Some("ARRIVED"),
-        "{story}"
-    );
+    assert_eq!(ended.summary.control_state(), Some("ARRIVED"), "{story}");
     insta::assert_snapshot!(story);
 }
 

@@ -6,6 +6,7 @@ use asmotion_component::Time;
 use asmotion_messages::Point;
 
 use super::driven_path::DrivenPath;
+use super::summary::common;
 
 /// The robots of a composite. A robot is a nested composite whose components publish odometry, or the whole composite.
 ///
@@ -16,7 +17,8 @@ pub struct Robots {
     paths: BTreeMap<String, DrivenPath>,
     goals: BTreeMap<String, Point>,
     true_positions: BTreeMap<String, Point>,
-    control_states: BTreeMap<String, String>,
+    /// By composite, then by component.
+    control_states: BTreeMap<String, BTreeMap<String, String>>,
 }
 
 /// A robot at the end of a mission.
@@ -26,7 +28,7 @@ pub struct RobotSummary<'a> {
     pub name: &'a str,
     /// The driven path and its goal.
     pub path: &'a DrivenPath,
-    /// The last control state of its coordinator; `None` if it has none.
+    /// The last control state of its coordinators; `None` if they differ, or if it has none.
     pub control_state: Option<&'a str>,
 }
 
@@ -37,7 +39,8 @@ impl Robots {
         self.paths.iter().map(move |(name, path)| RobotSummary {
             name,
             path,
-            control_state: nearest(&self.control_states, name, is_only).map(String::as_str),
+            control_state: nearest(&self.control_states, name, is_only)
+                .and_then(|states| common(states.values())),
         })
     }
 
@@ -90,17 +93,19 @@ impl Robots {
         }
     }
 
-    /// Sets the control state of a coordinator whose robot has none yet.
-    pub(super) fn add_control_state(&mut self, component: &str, state: &str) {
-        let robot = composite_of(component).to_owned();
-        let states = &mut self.control_states;
-        states.entry(robot).or_insert_with(|| state.to_owned());
-    }
-
     /// Sets the control state of a coordinator.
     pub(super) fn set_control_state(&mut self, component: &str, state: &str) {
         let robot = composite_of(component).to_owned();
-        self.control_states.insert(robot, state.to_owned());
+        let states = self.control_states.entry(robot).or_default();
+        states.insert(component.to_owned(), state.to_owned());
+    }
+
+    /// Forgets the control states of coordinators that are no longer present.
+    pub(super) fn retain_control_states(&mut self, is_present: impl Fn(&str) -> bool) {
+        for states in self.control_states.values_mut() {
+            states.retain(|component, _| is_present(component));
+        }
+        self.control_states.retain(|_, states| !states.is_empty());
     }
 }
 
@@ -168,6 +173,13 @@ mod tests {
         assert_eq!(all[0].control_state, Some("ARRIVED"));
         assert_eq!(all[1].control_state, None);
         assert_eq!(robots.only_path(), None);
+
+        // a second coordinator of a robot
+        robots.set_control_state("Left/Supervisor", "NORMAL");
+        assert_eq!(robots.all().next().unwrap().control_state, None);
+        robots.retain_control_states(|component| component != "Left/Coordinator");
+        let state = robots.all().next().unwrap().control_state;
+        assert_eq!(state, Some("NORMAL"));
     }
 
     #[test]

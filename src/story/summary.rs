@@ -1,5 +1,6 @@
 //! The summary of a mission.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use asmotion_component::Time;
@@ -25,8 +26,8 @@ pub struct Summary {
     pub failed_calls: u64,
     /// The robots that moved.
     pub robots: Robots,
-    /// The last control state; `None` if no specification has one.
-    pub control_state: Option<String>,
+    /// The last control state of each coordinator that has one, by component.
+    pub control_states: BTreeMap<String, String>,
     /// Number of collisions reported by a simulated world.
     pub collisions: u64,
     /// Faults of components, as "component: fault".
@@ -72,15 +73,33 @@ impl Summary {
         self.steps += 1;
         if let Some(control) = control(record) {
             self.transitions += 1;
-            self.robots.set_control_state(component, &control.after);
-            self.control_state = Some(control.after.clone());
+            self.set_control_state(component, &control.after);
         }
     }
 
-    /// Adds the control state of a coordinator at the end; that of a step of its robot takes precedence.
+    /// The control state in which all coordinators are; `None` if they differ, or if no specification has one.
+    pub fn control_state(&self) -> Option<&str> {
+        common(self.control_states.values())
+    }
+
+    /// Adds the control state of a coordinator at the end; that of its last step takes precedence.
     pub(crate) fn add_final_control_state(&mut self, component: &str, state: &str) {
-        self.robots.add_control_state(component, state);
-        self.control_state.get_or_insert_with(|| state.to_owned());
+        if !self.control_states.contains_key(component) {
+            self.set_control_state(component, state);
+        }
+    }
+
+    fn set_control_state(&mut self, component: &str, state: &str) {
+        self.robots.set_control_state(component, state);
+        self.control_states
+            .insert(component.to_owned(), state.to_owned());
+    }
+
+    /// Forgets the control states of coordinators that are not in a new version of the system.
+    pub(super) fn retain_coordinators(&mut self, is_present: impl Fn(&str) -> bool) {
+        self.control_states
+            .retain(|component, _| is_present(component));
+        self.robots.retain_control_states(&is_present);
     }
 
     /// Handles a message of a component, which may contain a position. Returns a report of progress, if due.
@@ -108,6 +127,12 @@ impl Summary {
             self.robots.set_goal(component, goal);
         }
     }
+}
+
+/// The value that all of the texts have; `None` if they differ or if there are none.
+pub(super) fn common<'t>(mut texts: impl Iterator<Item = &'t String>) -> Option<&'t str> {
+    let first = texts.next()?;
+    texts.all(|text| text == first).then_some(first)
 }
 
 /// The update that changes the control state, if any.

@@ -33,6 +33,7 @@ fn a_run_of_several_robots_ends_when_all_have_reached_their_goals() {
     let (_, json, _) = run(&[&command[..], &["--json"]].concat());
     let summary: serde_json::Value = serde_json::from_str(json.lines().last().unwrap()).unwrap();
     assert_eq!(summary["outcome"], "reached");
+    assert_eq!(summary["control_state"], "ARRIVED", "of both");
     assert_eq!(
         summary["driven_m"],
         serde_json::Value::Null,
@@ -52,4 +53,28 @@ fn a_run_of_several_robots_ends_when_all_have_reached_their_goals() {
         summary["time_s"].as_f64().unwrap() > 40.0,
         "the last one decides"
     );
+}
+
+#[test]
+fn a_headline_names_the_control_state_of_each_robot_where_they_differ() {
+    let (_folder, path) = fleet();
+    // the left one has arrived, the right one is still on its way
+    let command = ["run", &path, "-q", "--for", "30"];
+    let (code, out, err) = run(&command);
+    assert_eq!(code, 1, "{out}{err}");
+    let headline =
+        "time up in ARRIVED (Left/ASMCoordinator), FOLLOWING (Right/ASMCoordinator) after 30.0 s";
+    assert!(out.lines().any(|line| line == headline), "{out}");
+
+    let (_, json, _) = run(&[&command[..], &["--json"]].concat());
+    let summary: serde_json::Value = serde_json::from_str(json.lines().last().unwrap()).unwrap();
+    assert_eq!(summary["outcome"], "time up");
+    assert_eq!(summary["control_state"], serde_json::Value::Null);
+    let states = serde_json::json!([
+        { "component": "Left/ASMCoordinator", "state": "ARRIVED" },
+        { "component": "Right/ASMCoordinator", "state": "FOLLOWING" },
+    ]);
+    assert_eq!(summary["control_states"], states);
+    assert_eq!(summary["robots"][0]["control_state"], "ARRIVED");
+    assert_eq!(summary["robots"][1]["control_state"], "FOLLOWING");
 }

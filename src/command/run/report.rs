@@ -6,7 +6,7 @@ use asmotion_runtime::Event;
 use serde_json::json;
 
 use crate::mission::{MissionEnd, MissionOutcome, StalledCoordinator};
-use crate::story::{DrivenPath, EventCounts, RobotSummary};
+use crate::story::{DrivenPath, EventCounts, RobotSummary, Summary};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 
 pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
@@ -117,7 +117,8 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "steps": summary.steps, "transitions": summary.transitions,
         "driven_m": path.map(|way| way.driven_m), "to_goal_m": path.and_then(DrivenPath::to_goal_m),
         "true_to_goal_m": path.and_then(DrivenPath::true_to_goal_m),
-        "failed_calls": summary.failed_calls, "control_state": summary.control_state,
+        "failed_calls": summary.failed_calls, "control_state": summary.control_state(),
+        "control_states": control_states_json(summary),
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
         "failed_components": end.failed,
         "lost": end.lost.iter().map(|(input, count)| json!({ "input": input, "count": count })).collect::<Vec<_>>(),
@@ -125,6 +126,12 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "collisions": summary.collisions,
         "robots": summary.robots.all().map(|robot| robot_json(&robot)).collect::<Vec<_>>(),
     })
+}
+
+fn control_states_json(summary: &Summary) -> Vec<serde_json::Value> {
+    let all = summary.control_states.iter();
+    all.map(|(component, state)| json!({ "component": component, "state": state }))
+        .collect()
 }
 
 fn counts_json(counts: &EventCounts) -> Vec<serde_json::Value> {
@@ -148,15 +155,31 @@ fn stalled_json(stalled: &StalledCoordinator) -> serde_json::Value {
     })
 }
 
-/// The result of a mission on one line: `reached in ARRIVED after 41.3 s`.
+/// The result of a mission on one line: `reached in ARRIVED after 41.3 s`, or, with coordinators in different control states,
+/// `time up in ARRIVED (Left/Coordinator), FOLLOWING (Right/Coordinator) after 20.0 s`.
 pub(super) fn headline(end: &MissionEnd) -> String {
     format!("{}{}", outcome_name(end.outcome), circumstances(end))
 }
 
-/// The control state, time and collisions at the end.
+/// The control state of all coordinators, or that of each if they differ.
+fn control_states(summary: &Summary) -> String {
+    if let Some(state) = summary.control_state() {
+        return format!(" in {state}");
+    }
+    let all = summary.control_states.iter();
+    let all: Vec<String> = all
+        .map(|(component, state)| format!("{state} ({component})"))
+        .collect();
+    if all.is_empty() {
+        String::new()
+    } else {
+        format!(" in {}", all.join(", "))
+    }
+}
+
+/// The control states, time and collisions at the end.
 fn circumstances(end: &MissionEnd) -> String {
-    let state = end.summary.control_state.as_deref();
-    let state = state.map_or_else(String::new, |state| format!(" in {state}"));
+    let state = control_states(&end.summary);
     let seconds = end.time.as_secs_f64();
     let collisions = match end.summary.collisions {
         0 => String::new(),
