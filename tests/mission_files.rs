@@ -622,6 +622,7 @@ fn a_mission_that_leads_outside_says_why_not_and_what_to_do() {
     let (code, out) = test(folder.path(), &[mission]);
     assert_eq!(code, Some(2), "{out}");
     assert!(out.contains(reason) && out.contains(help), "{out}");
+    assert!(out.contains("depot.mission.toml:"), "at its place: {out}");
     assert!(!out.contains("--bus"), "{out}");
     // before it is run
     let checked = asmotion(folder.path(), &["check", mission]);

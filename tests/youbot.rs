@@ -10,3 +10,4 @@ mod locomotor;
 mod processes;
 mod proxy;
 mod record;
+mod robot_crossings;

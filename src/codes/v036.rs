@@ -1,4 +1,4 @@
-use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Mission cannot start
 ///
@@ -44,10 +44,16 @@ pub struct MissionNotStarted {
     pub reason: String,
     /// Way out.
     pub help: Option<String>,
+    /// The composite in the mission file, or its profile; `None` if the file cannot be read.
+    pub at: Option<Span>,
 }
 
 impl Finding for MissionNotStarted {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = match self.at {
+            Some(at) => diagnostic.label(at, "run by this mission"),
+            None => diagnostic,
+        };
         match &self.help {
             Some(help) => diagnostic.help(help.clone()),
             None => diagnostic,

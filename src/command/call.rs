@@ -5,7 +5,7 @@ use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_datum::Datum;
-use asmotion_remote::RemoteError;
+use asmotion_remote::{RemoteError, SendHandle};
 use clap::Args;
 use std::time::Duration;
 
@@ -13,7 +13,8 @@ use std::time::Duration;
 #[derive(Args)]
 pub struct Call {
     /// Operation as `ROBOT.COMPONENT.SERVICE.OPERATION`, for example `navigation.TrajectoryPlanner.planning.plan`, or as
-    /// `INTERFACE.OPERATION` of the only service with the interface, for example `nav/PlanService.plan`
+    /// `INTERFACE.OPERATION` of the only service with the interface, for example `nav/PlanService.plan`; robot and service can be
+    /// omitted if this leaves one operation, as in `TrajectoryPlanner.plan`
     operation: String,
 
     /// Argument as JSON; omitted fields have their default values
@@ -54,11 +55,23 @@ impl Call {
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
         let remote = self.broker.remote(build)?;
-        let sent = remote
-            .operation_address(&self.operation)
-            .and_then(|operation| remote.send(&operation, argument, patience))
-            .map_err(|error| error.to_string())?;
-        let answer = sent.collect();
+        let address = remote.operation_address(&self.operation);
+        let address = address.map_err(|error| error.to_string())?;
+        let call = |address: &str| {
+            let sent = remote.send(address, argument.clone(), patience);
+            sent.map(SendHandle::collect)
+                .map_err(|error| error.to_string())
+        };
+        let mut answer = call(&address)?;
+        if matches!(answer, Err(RemoteError::Nobody { .. })) {
+            // nothing has this address: it may lack its robot or service
+            let full = remote.short_operation_address(&address);
+            if let Some(full) = full.map_err(|error| error.to_string())?
+                && full != address
+            {
+                answer = call(&full)?;
+            }
+        }
         Ok(answer.and_then(|answer| Ok(asmotion_datum::json::encode_pretty(&answer)?)))
     }
 }

@@ -46,7 +46,10 @@ impl Reconfigure {
             .map(|(name, value)| (name.to_owned(), value.to_owned()))
             .collect();
         let opened = build.open_with(&self.composite, &settings, &files, &NoPrograms);
-        terminal.report(&opened.report, &opened.sources);
+        let mut report = opened.report.clone();
+        // the running processes know the components of other robots, and refuse those that they have not asked
+        report.diagnostics.retain(|it| it.code.name != "C159");
+        terminal.report(&report, &opened.sources);
         let Some(composite) = opened.composite.filter(|_| !opened.report.has_errors()) else {
             return Exit::refused(&self.composite);
         };

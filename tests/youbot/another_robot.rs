@@ -18,7 +18,7 @@ use asmotion_remote::{PRESENCE, Presence, PresentComponent, Remote, RemoteError,
 use crate::processes::{Running, queues};
 
 /// Timeout for a loaded machine.
-const LONG: Duration = Duration::from_secs(30);
+pub(super) const LONG: Duration = Duration::from_secs(30);
 
 /// A robot with the driver of an arm. It knows nothing about proxies.
 const ARM: &str = r#"
@@ -48,7 +48,7 @@ activity   = { period_ms = 100 }
 "#;
 
 /// A proxy that lists its services only.
-const STATION: &str = r#"
+pub(super) const STATION: &str = r#"
 schema = "composite/1"
 promote = [
   { service = "Facade.sending", as = "sending" },
@@ -68,24 +68,24 @@ notify = { reference = "notifying", idle = { within = 0.01, of = "commands.posit
 "#;
 
 /// A folder with composites, and the virtual host where they run.
-struct Site<'v> {
+pub(super) struct Site<'v> {
     folder: tempfile::TempDir,
     vhost: &'v Vhost<'v>,
 }
 
 impl<'v> Site<'v> {
-    fn new(vhost: &'v Vhost<'v>) -> Self {
+    pub(super) fn new(vhost: &'v Vhost<'v>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         Self { folder, vhost }
     }
 
-    fn write(&self, name: &str, text: &str) -> PathBuf {
+    pub(super) fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.folder.path().join(format!("{name}.composite.toml"));
         std::fs::write(&path, text).unwrap();
         path
     }
 
-    fn run(&self, composite: &Path, arguments: &[&str]) -> Command {
+    pub(super) fn run(&self, composite: &Path, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
         command.arg("run").arg(composite).args(["--for", "120"]);
         command.args(["--bus", &self.vhost.url()]).args(arguments);
@@ -94,7 +94,7 @@ impl<'v> Site<'v> {
     }
 
     /// Starts the robot with this number of joints, and waits until it takes orders.
-    fn arm(&self, joints: u32) -> Running {
+    pub(super) fn arm(&self, joints: u32) -> Running {
         let text = ARM.replace("joints = 6", &format!("joints = {joints}"));
         let composite = self.write("arm", &text);
         let arm = self.robot(&composite, &[]);
@@ -103,18 +103,18 @@ impl<'v> Site<'v> {
     }
 
     /// Starts a robot.
-    fn robot(&self, composite: &Path, arguments: &[&str]) -> Running {
+    pub(super) fn robot(&self, composite: &Path, arguments: &[&str]) -> Running {
         let mut command = self.run(composite, arguments);
         Running::start(command.stdout(Stdio::null()).stderr(Stdio::null()))
     }
 
-    fn station(&self) -> Station {
+    pub(super) fn station(&self) -> Station {
         let composite = self.write("station", STATION);
         Station::start(&mut self.run(&composite, &[]))
     }
 
     /// Runs a tool on the broker.
-    fn tool(&self, arguments: &[&str]) -> String {
+    pub(super) fn tool(&self, arguments: &[&str]) -> String {
         let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
         command.args(arguments).args(["--bus", &self.vhost.url()]);
         let output = command.output().unwrap();
@@ -124,14 +124,14 @@ impl<'v> Site<'v> {
 }
 
 /// The process with the proxy, and what it says.
-struct Station {
+pub(super) struct Station {
     process: std::process::Child,
     said: Receiver<String>,
     lines: Vec<String>,
 }
 
 impl Station {
-    fn start(command: &mut Command) -> Self {
+    pub(super) fn start(command: &mut Command) -> Self {
         let mut process = command.spawn().unwrap();
         let (sender, said) = channel();
         let out: Box<dyn Read + Send> = Box::new(process.stdout.take().unwrap());
@@ -154,7 +154,7 @@ impl Station {
 
     /// Waits until it says something with this text.
     #[track_caller]
-    fn says(&mut self, text: &str) {
+    pub(super) fn says(&mut self, text: &str) {
         let until = Instant::now() + LONG;
         loop {
             let left = until.saturating_duration_since(Instant::now());
@@ -171,7 +171,7 @@ impl Station {
     }
 
     /// Waits for its end. Returns all that it has said.
-    fn end(mut self) -> (Option<i32>, String) {
+    pub(super) fn end(mut self) -> (Option<i32>, String) {
         let code = self.process.wait().unwrap().code();
         self.lines.extend(self.said.iter());
         (code, self.lines.join("\n"))
@@ -233,21 +233,26 @@ impl Drop for Impostor {
 }
 
 /// Moves the joints and reads them, over the services of the proxy.
-struct Client(Remote);
+pub(super) struct Client(Remote);
 
 impl Client {
-    fn new(vhost: &Vhost<'_>) -> Self {
+    pub(super) fn new(vhost: &Vhost<'_>) -> Self {
         queues(vhost, "robots.services.station.control.station");
         Self(Remote::connect(&vhost.url(), Some("station")).unwrap())
     }
 
-    fn call(&self, service: &str, operation: &str, argument: Datum) -> Result<Datum, RemoteError> {
+    pub(super) fn call(
+        &self,
+        service: &str,
+        operation: &str,
+        argument: Datum,
+    ) -> Result<Datum, RemoteError> {
         let facade = self.0.component("Facade").unwrap();
         let service = facade.service(service).unwrap();
         service.call(operation, argument, Duration::from_secs(5))
     }
 
-    fn command(&self, position: &[f64]) -> Result<Datum, RemoteError> {
+    pub(super) fn command(&self, position: &[f64]) -> Result<Datum, RemoteError> {
         let position = position.iter().copied().map(Datum::Float).collect();
         let argument = Datum::record([("position", Datum::List(position))]);
         self.call("sending", "setJointsPositions", argument)
@@ -260,7 +265,7 @@ impl Client {
 
     /// Waits until the joints have these positions.
     #[track_caller]
-    fn reaches(&self, expected: &[f64]) {
+    pub(super) fn reaches(&self, expected: &[f64]) {
         let until = Instant::now() + LONG;
         loop {
             let position = self.position();

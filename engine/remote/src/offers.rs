@@ -71,17 +71,61 @@ impl Remote {
     /// An error if the operation is given by an interface that no service or several services have.
     pub fn operation_address(&self, operation: &str) -> Result<String, RemoteError> {
         match operation.rsplit_once('.') {
-            Some((interface, name)) if interface.contains('/') => {
+            // the name of a nested component contains a slash, too, and is followed by its service
+            Some((interface, name)) if interface.contains('/') && !interface.contains('.') => {
                 Ok(format!("{}.{name}", self.service(interface)?.address()))
             }
             Some(_) | None => Ok(operation.to_owned()),
         }
     }
 
+    /// The address of an operation given without its robot, `MapServer.maps.getMap`, or without its service, `MapServer.getMap`;
+    /// `None` if no component has this operation.
+    ///
+    /// # Errors
+    /// An error with the addresses of the candidates if there are several.
+    pub fn short_operation_address(&self, operation: &str) -> Result<Option<String>, RemoteError> {
+        let components = self.complete_roster().components(self.robot());
+        let mut found: Vec<String> = components
+            .iter()
+            .flat_map(|component| operations_named(component, operation))
+            .collect();
+        found.sort();
+        found.dedup();
+        if found.len() > 1 {
+            return Err(RemoteError::Several {
+                name: operation.to_owned(),
+                candidates: found,
+            });
+        }
+        Ok(found.pop())
+    }
+
     fn all_services(&self) -> Vec<FoundService> {
         let components = self.complete_roster().components(self.robot());
         components.into_iter().flat_map(services_of).collect()
     }
+}
+
+/// The addresses of a component's operations that a name means, which begins with that of the component.
+fn operations_named(at: &ComponentLocation, name: &str) -> Vec<String> {
+    let names = [at.present.name.clone(), at.full_name()];
+    let rest = names
+        .iter()
+        .find_map(|it| name.strip_prefix(it)?.strip_prefix('.'));
+    let Some(rest) = rest else {
+        return Vec::new();
+    };
+    let mut addresses = Vec::new();
+    for service in &at.present.services {
+        for operation in &service.operations {
+            let path = format!("{}.{}", service.name, operation.name);
+            if rest == path || rest == operation.name {
+                addresses.push(format!("{}.{path}", at.full_name()));
+            }
+        }
+    }
+    addresses
 }
 
 fn services_of(at: ComponentLocation) -> impl Iterator<Item = FoundService> {

@@ -81,7 +81,8 @@ pub const VERBS: &[Verb] = &[
         "saves the events as a scenario that checks every update",
     ),
     verb("help", "?", "", "shows this list"),
-    verb("quit", "q", "", "quits, as Ctrl-D does"),
+    verb("quit", "q", "", "quits, as `exit` and Ctrl-D do"),
+    verb("exit", "", "", ""),
 ];
 
 /// Splits a line into its command and the rest.

@@ -50,5 +50,6 @@ pub const VERBS: &[Verb] = &[
     verb("recover", "", "[COMPONENT]", ""),
     verb("reset", "", "[COMPONENT]", ""),
     verb("help", "?", "", "shows this list"),
-    verb("quit", "q", "", "quits, as Ctrl-D does"),
+    verb("quit", "q", "", "quits, as `exit` and Ctrl-D do"),
+    verb("exit", "", "", ""),
 ];

@@ -79,10 +79,7 @@ pub(in crate::command) fn check(
     let (file, report, sources) = match read(path, loader) {
         Ok(read) => read,
         Err(reason) => {
-            return (
-                one(MissionNotStarted { reason, help: None }),
-                Sources::new(),
-            );
+            return (one(unreadable(reason)), Sources::new());
         }
     };
     let Some(file) = file.filter(|_| !report.has_errors()) else {
@@ -94,11 +91,11 @@ pub(in crate::command) fn check(
         return (opened.report, opened.sources);
     }
     let refused = match opened.plan(mission.profile.as_deref()) {
-        Some(plan) => MissionDirector::new(file)
+        Some(plan) => MissionDirector::new(file.clone())
             .prepare(plan)
             .and_then(|()| {
                 let refused = mission.check_outside(plan);
-                refused.map_err(|error| one(not_started(&error, path)))
+                refused.map_err(|error| one(not_started(&error, &file, path)))
             })
             .err(),
         None => {
@@ -106,10 +103,19 @@ pub(in crate::command) fn check(
                 requested: mission.profile,
                 available: opened.profiles,
             };
-            Some(one(not_started(&unknown, path)))
+            Some(one(not_started(&unknown, &file, path)))
         }
     };
     (refused.unwrap_or(report), sources)
+}
+
+/// The finding about a mission file that cannot be read.
+fn unreadable(reason: String) -> MissionNotStarted {
+    MissionNotStarted {
+        reason,
+        help: None,
+        at: None,
+    }
 }
 
 /// A report of one finding.
@@ -122,9 +128,7 @@ pub(super) fn run(build: &Build, path: PathBuf, seed: u64) -> TestResult {
     let started = Instant::now();
     let mut result = TestResult::unusable(path.clone());
     match read(&path, &DiskLoader) {
-        Err(reason) => result
-            .report
-            .push(MissionNotStarted { reason, help: None }.diagnostic()),
+        Err(reason) => result.report.push(unreadable(reason).diagnostic()),
         Ok((file, report, sources)) => {
             (result.report, result.sources) = (report, sources);
             if let Some(file) = file.filter(|_| !result.report.has_errors()) {
@@ -158,7 +162,7 @@ fn execute(build: &Build, file: &MissionFile, seed: u64, result: &mut TestResult
     };
     let stop = AtomicBool::new(false);
     match mission.run_directed(&mut director, |_, _| (), observe, &stop) {
-        Err(error) => refuse(error, result),
+        Err(error) => refuse(error, file, result),
         Ok(end) => {
             result.steps = end.summary.steps;
             let monitor = lock(&monitor);
@@ -247,7 +251,7 @@ fn is_in_snapshot(event: &Event<'_>) -> bool {
 }
 
 /// Reports why the run cannot start.
-fn refuse(error: MissionError, result: &mut TestResult) {
+fn refuse(error: MissionError, file: &MissionFile, result: &mut TestResult) {
     match error {
         MissionError::Composite {
             sources, report, ..
@@ -266,14 +270,14 @@ fn refuse(error: MissionError, result: &mut TestResult) {
         | MissionError::UnsetVariables(_)
         | MissionError::NotVerified(_)
         | MissionError::Launch(_)) => {
-            let finding = not_started(&error, &result.path).diagnostic();
+            let finding = not_started(&error, file, &result.path).diagnostic();
             result.report.push(finding);
         }
     }
 }
 
 /// The finding about a mission that cannot start, with ways out that a mission file has: it has none of the options of `run`.
-fn not_started(error: &MissionError, path: &Path) -> MissionNotStarted {
+fn not_started(error: &MissionError, file: &MissionFile, path: &Path) -> MissionNotStarted {
     let (reason, help) = if let MissionError::Outside(system) = error {
         (
             format!("{system}; a mission runs in virtual time and without brokers"),
@@ -302,7 +306,14 @@ fn not_started(error: &MissionError, path: &Path) -> MissionNotStarted {
     } else {
         (error.to_string(), None)
     };
-    MissionNotStarted { reason, help }
+    let profile = file.profile.as_ref().map(|it| it.span);
+    let profile = profile.filter(|_| matches!(error, MissionError::Profile { .. }));
+    let at = profile.unwrap_or(file.composite.span);
+    MissionNotStarted {
+        reason,
+        help,
+        at: Some(at),
+    }
 }
 
 /// The findings about a run that has ended.
