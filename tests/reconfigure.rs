@@ -266,6 +266,40 @@ fn c18_a_specification_is_replaced_while_it_runs_or_refused_with_the_invariant_t
     let refused = reconfigure(&[]);
     assert_eq!(refused.0, Some(1), "{}", refused.2);
 
+    // a broken file is shown at its place, and asks no process
+    becomes("\tmain rule r_Main =", "\tmain rule r_Main = par");
+    let (code, out, err) = reconfigure(&[]);
+    assert_eq!((code, &*out), (Some(1), ""), "{err}");
+    assert!(
+        err.contains("error[L031]") && err.contains("navigate.asm:"),
+        "{err}"
+    );
+
+    // the control state has another name, whichever it is
+    let mut renamed = first.clone();
+    for mode in [
+        "IDLE",
+        "WAIT_MAP",
+        "WAIT_PATH",
+        "FOLLOWING",
+        "STOPPING",
+        "ARRIVED",
+        "FAILED",
+    ] {
+        for before in [" ", "{", "[", "("] {
+            renamed = renamed.replace(&format!("{before}{mode}"), &format!("{before}NOW_{mode}"));
+        }
+    }
+    std::fs::write(&specification, renamed).unwrap();
+    let (code, _, err) = reconfigure(&[]);
+    assert_eq!(code, Some(1), "{err}");
+    let reason = "supervisor: REFUSED: `ASMCoordinator` cannot be replaced: `mode` is ";
+    assert!(err.contains(reason), "{err}");
+    assert!(
+        err.contains(", which does not exist in the new version") && err.contains("runs unchanged"),
+        "{err}"
+    );
+
     becomes(
         "\tcontrolled tries: Tries",
         "\tcontrolled tries: Tries\n\tcontrolled laps: Integer",

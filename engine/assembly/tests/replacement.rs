@@ -401,6 +401,106 @@ fn c18_a_version_that_does_not_fit_the_state_is_refused_and_the_old_one_runs_on(
     assert_eq!(said(&log), undisturbed);
 }
 
+/// The events of a run in text form.
+fn lines(system: &mut System) -> Arc<std::sync::Mutex<Vec<String>>> {
+    let lines = Arc::new(std::sync::Mutex::new(Vec::new()));
+    let written = Arc::clone(&lines);
+    system.observe(move |at: Time, event: &Event<'_>| {
+        let mut written = written.lock().expect("a list");
+        written.push(format!("{at:?} {event}"));
+    });
+    lines
+}
+
+#[test]
+fn c18_messages_of_an_input_with_another_binding_are_dropped_and_reported() {
+    let newest = replaced(COMPOSITE, &[("receive = \"all\"", "receive = \"last\"")]);
+    // five messages for each step, of which four wait
+    let queued = [(
+        "period_ms = 100 }\npublish = { number",
+        "period_ms = 20 }\npublish = { number",
+    )];
+    let queued = replaced(COMPOSITE, &queued);
+    let cases = [
+        (
+            newest,
+            vec!["the last message of `number` is dropped: its binding differs"],
+            0,
+        ),
+        (
+            queued,
+            vec!["37 unread messages of `number` are dropped: its binding differs"],
+            37,
+        ),
+    ];
+    for (composite, expected, lost) in cases {
+        let first = version(&composite, BRAIN);
+        let (mut system, _) = start(&first);
+        let lines = lines(&mut system);
+        let mut run = system.simulate();
+        run.run_for(1.s());
+        let (_, next) = version(&replaced(&composite, &[("none = 0", "none = -7")]), BRAIN);
+        let notes = apply(&mut run, &first.1, &next).expect("it continues");
+        assert_eq!(notes, expected);
+        run.run_for(200.ms());
+        drop(run);
+        let lines = lines.lock().expect("a list").join("\n");
+        assert!(
+            lines.contains(&format!("Brain: notice: {:?}", expected[0])),
+            "{lines}"
+        );
+        let losses = format!("asm/Losses: {{dropped: {lost},");
+        assert_eq!(lines.contains(&losses), lost > 0, "{losses}: {lines}");
+    }
+}
+
+#[test]
+fn c18_an_input_whose_connection_is_removed_is_as_before_its_first_message() {
+    let direct = [
+        (
+            "subscribe = { number = \"test/Number\" }",
+            "ports.in = { number = \"test/Number\" }",
+        ),
+        ("publish = { number = \"test/Number\" }\n", ""),
+        ("receive = \"all\"", "receive = \"last\""),
+        ("none = 0", "none = -1000"),
+        (
+            "[[wires]]",
+            "[[connections]]\nfrom = \"Counter.number\"\nto = \"Brain.number\"\n\n[[wires]]",
+        ),
+    ];
+    let composite = replaced(COMPOSITE, &direct);
+    let brain = replaced(
+        BRAIN,
+        &[(
+            "if number > 0 then",
+            "if number = -1000 then mode := DONE else",
+        )],
+    );
+    let first = version(&composite, &brain);
+    let (mut system, _) = start(&first);
+    let lines = lines(&mut system);
+    let mut run = system.simulate();
+    run.run_for(1050.ms());
+    assert_eq!(status(&mut run, "Brain").state["mode"], "COLLECTING");
+    // what it receives from now on depends on what it sends
+    let (_, next) = version(
+        &replaced(
+            &composite,
+            &[("from = \"Counter.number\"", "from = \"Echo.said\"")],
+        ),
+        &brain,
+    );
+    assert_eq!(apply(&mut run, &first.1, &next), Ok(Vec::new()));
+    run.run_for(200.ms());
+    assert_eq!(status(&mut run, "Brain").state["mode"], "DONE");
+    drop(run);
+    let lines = lines.lock().expect("a list").join("\n");
+    let notice =
+        "`number` is without a message: the connection of its last one does not exist any more";
+    assert_eq!(lines.matches(notice).count(), 1, "{lines}");
+}
+
 #[test]
 fn c18_other_bindings_take_effect_unless_they_need_other_operations() {
     let first = version(COMPOSITE, BRAIN);

@@ -118,7 +118,7 @@ impl EventQueue {
 }
 
 impl WaitingEvent {
-    fn is_message(&self) -> bool {
+    pub fn is_message(&self) -> bool {
         self.answers.is_none()
     }
 }

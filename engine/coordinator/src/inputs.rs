@@ -259,7 +259,8 @@ impl MessageInputs {
     }
 
     /// Handles the messages of the cycle. Returns a notice about the first message of each input whose key selects no
-    /// element, about the first one that is refused, and about the first one that waited too long.
+    /// element, about the first one that is refused, about the first one that waited too long, and about messages that are gone
+    /// with their connection.
     pub fn receive(
         &mut self,
         cycle: &mut Cycle<'_>,
@@ -281,7 +282,14 @@ impl MessageInputs {
                     input.lost.now = cycle.lost(port);
                     continue;
                 }
-                MessageOrigin::Port(port) => (cycle.all(port), cycle.read(port).new()),
+                MessageOrigin::Port(port) => {
+                    let read = cycle.read(port);
+                    // stale messages disappear without a notice: the policy of the connection says so
+                    if matches!(read, Flow::NoData) && input.forget() && !cycle.is_stale(port) {
+                        notices.push(input.without_connection(program));
+                    }
+                    (cycle.all(port), read.new())
+                }
                 MessageOrigin::Requests(position) => {
                     let received = requests.received(position);
                     (received, received.last())
@@ -532,6 +540,55 @@ impl BoundInput {
         locations.filter(move |location| is_bound && !location.has_received)
     }
 
+    /// Forgets the newest messages: the port has none, as before the first one. Returns whether there were any.
+    fn forget(&mut self) -> bool {
+        if self.receive != Receive::Last {
+            return false;
+        }
+        let mut had_message = false;
+        for location in &mut self.locations {
+            had_message |= location.last.take().is_some();
+            location.newest = None;
+        }
+        had_message
+    }
+
+    /// Returns whether a location holds the value of its newest message.
+    pub fn remembers(&self, location: &InputLocation) -> bool {
+        self.receive == Receive::Last && location.last.is_some()
+    }
+
+    /// Number of messages for a location that no step has read yet.
+    pub fn unread(&self, location: &InputLocation) -> u64 {
+        match self.receive {
+            Receive::Last => 0,
+            Receive::Edge => u64::from(location.last.is_some()),
+            Receive::All => {
+                let waiting = location.waiting.iter();
+                waiting.filter(|event| event.is_message()).count() as u64
+            }
+        }
+    }
+
+    /// Returns whether a timer runs for a location.
+    pub fn is_timed(&self, location: &InputLocation) -> bool {
+        matches!(self.from, MessageOrigin::Timer(..)) && location.newest.is_some()
+    }
+
+    /// Describes that the newest messages are gone.
+    fn without_connection(&self, program: &Program) -> String {
+        let name = self.name(program);
+        format!(
+            "`{name}` is without a message: the connection of its last one does not exist any more"
+        )
+    }
+
+    fn name<'p>(&self, program: &'p Program) -> &'p str {
+        let symbols = &program.symbols.functions;
+        let name = symbols.get(self.located.function.0 as usize);
+        name.map_or("", |name| &**name)
+    }
+
     /// Position of the location that the key of a message selects.
     fn selected(&self, message: &Datum, program: &Program) -> Option<usize> {
         let selected = self.located.key.iter();
@@ -547,13 +604,11 @@ impl BoundInput {
         if std::mem::replace(&mut condition.reported, true) {
             return None;
         }
-        let symbols = &program.symbols.functions;
-        let function = symbols.get(self.located.function.0 as usize);
         let expected = condition.expected.as_ref();
         let expected = expected.map_or_else(|| "nothing yet".to_owned(), |it| format!("{it}"));
+        let name = self.name(program);
         Some(format!(
-            "a message for `{}` is refused: expected {expected}, found {message}; such messages are counted as misfits",
-            function.map_or("", |name| &**name),
+            "a message for `{name}` is refused: expected {expected}, found {message}; such messages are counted as misfits"
         ))
     }
 
@@ -573,10 +628,6 @@ impl BoundInput {
 
     /// Describes a message whose key selects no element.
     fn unknown_key(&self, message: &Datum, program: &Program) -> String {
-        let function = program
-            .symbols
-            .functions
-            .get(self.located.function.0 as usize);
         let fields = self.located.key.iter().map(|field| {
             let found = message.get(&field.path);
             let found = found.map_or_else(|| "nothing".to_owned(), |it| format!("{it:?}"));
@@ -584,7 +635,7 @@ impl BoundInput {
         });
         format!(
             "a message for `{}` selects no location: {}; such messages are counted as misfits",
-            function.map_or("", |name| &**name),
+            self.name(program),
             fields.collect::<Vec<_>>().join(", ")
         )
     }

@@ -1,11 +1,12 @@
 //! Replacement of a running coordinator by one with another version of its specification or its bindings.
 //!
 //! The machine continues with the locations whose functions have the same name and signature in both versions. Inputs
-//! keep their messages if their binding is the same. Calls and requests under way are continued.
+//! keep their messages if their binding is the same; the others begin without one, and the dropped messages are listed. Calls
+//! and requests under way are continued.
 
 use crate::coordinator::Coordinator;
 use crate::event_queue::WaitingEvent;
-use crate::inputs::BoundInput;
+use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::{MessagePartners, PartnerCall};
 use crate::requests::WaitingCaller;
 use asmotion_component::{Fault, Time};
@@ -16,7 +17,8 @@ use asmotion_lang::value::Value;
 use std::collections::BTreeSet;
 
 impl Coordinator {
-    /// Continues in the state of another coordinator. Returns notes about the functions that do not keep their values.
+    /// Continues in the state of another coordinator. Returns notes about the functions that do not keep their values, and about
+    /// dropped messages.
     ///
     /// # Errors
     /// The state does not fit the specification, an invariant does not hold in it, or a call under way is not part of
@@ -27,7 +29,7 @@ impl Coordinator {
         now: Time,
     ) -> Result<Vec<String>, Fault> {
         let elements = self.machine.adopt_elements(&predecessor.machine);
-        self.keep_inputs(predecessor, &elements)?;
+        let dropped = self.keep_inputs(predecessor, &elements)?;
         self.keep_calls(predecessor, &elements)?;
         self.inbox.observe(now, &mut self.frame);
         let (machine, frame) = (&mut self.machine, &mut self.frame);
@@ -44,7 +46,9 @@ impl Coordinator {
         }
         // without native code, closures compute the same steps
         let _ = self.machine.set_back_end(BackEnd::Native);
-        Ok(self.notes(predecessor, &elements))
+        let mut notes = self.notes(predecessor, &elements);
+        notes.extend(dropped);
+        Ok(notes)
     }
 
     fn unfit_state(&self, predecessor: &Self, error: &TransferError) -> Fault {
@@ -82,10 +86,14 @@ impl Coordinator {
         self.rendered(&finding)
     }
 
-    /// Keeps the messages of inputs whose bindings are the same in both versions.
-    fn keep_inputs(&mut self, predecessor: &Self, elements: &Correspondence) -> Result<(), Fault> {
+    /// Keeps the messages of inputs whose bindings are the same in both versions. Returns notes about the others.
+    fn keep_inputs(
+        &mut self,
+        predecessor: &Self,
+        elements: &Correspondence,
+    ) -> Result<Vec<String>, Fault> {
         let has_same_outputs = self.has_same_outputs(predecessor, elements);
-        let mut unknown_events = 0;
+        let (mut unknown_events, mut kept) = (0, BTreeSet::new());
         let (new, old) = (&self.binding.monitored, &predecessor.binding.monitored);
         for (position, input) in self.inbox.inputs.iter_mut().enumerate() {
             let binding = new.get(position);
@@ -96,7 +104,10 @@ impl Coordinator {
                     && (binding.is_some() || has_same_location(input, before, elements))
             });
             match found {
-                Some((_, before)) => unknown_events += keep_input(input, before, elements),
+                Some((known, before)) => {
+                    kept.insert(known);
+                    unknown_events += keep_input(input, before, elements);
+                }
                 // losses from before count for the predecessor
                 None => input.lost.before = u64::MAX,
             }
@@ -111,7 +122,78 @@ impl Coordinator {
         self.inbox.losses = predecessor.inbox.losses;
         self.inbox.losses.misfits += unknown_events;
         self.inbox.dropped_elsewhere = predecessor.inbox.dropped_elsewhere;
-        Ok(())
+        let mut notes = Vec::new();
+        for (position, before) in predecessor.inbox.inputs.iter().enumerate() {
+            if !kept.contains(&position) {
+                notes.extend(self.drop_messages(before, predecessor, elements));
+            }
+        }
+        Ok(notes)
+    }
+
+    /// Drops the messages of an input whose binding differs, and keeps its outcomes of calls. Returns notes about the messages.
+    fn drop_messages(
+        &mut self,
+        before: &BoundInput,
+        predecessor: &Self,
+        elements: &Correspondence,
+    ) -> Vec<String> {
+        let function = elements.function(before.located.function);
+        let reason = match function {
+            Some(_) => "its binding differs",
+            None => "the new version does not read it",
+        };
+        let mut notes = Vec::new();
+        for location in &before.locations {
+            let (machine, function_before) = (&predecessor.machine, before.located.function);
+            let name = simulate::applied(machine, function_before, &location.arguments);
+            if function.is_some() && before.remembers(location) {
+                notes.push(format!("the last message of `{name}` is dropped: {reason}"));
+            }
+            if function.is_some() && before.is_timed(location) {
+                notes.push(format!("the timer of `{name}` begins anew: {reason}"));
+            }
+            let unread = before.unread(location);
+            if unread > 0 {
+                let (messages, are) = match unread {
+                    1 => ("message", "is"),
+                    _ => ("messages", "are"),
+                };
+                notes.push(format!(
+                    "{unread} unread {messages} of `{name}` {are} dropped: {reason}"
+                ));
+                self.inbox.losses.dropped += unread;
+                self.inbox.dropped_elsewhere += unread;
+            }
+            if let Some(function) = function {
+                self.keep_outcomes(function, location, elements);
+            }
+        }
+        notes
+    }
+
+    /// Keeps the outcomes of calls that wait for a location: they do not depend on the binding of its messages.
+    fn keep_outcomes(
+        &mut self,
+        function: FunctionId,
+        before: &InputLocation,
+        elements: &Correspondence,
+    ) {
+        let arguments = before.arguments.iter().map(|it| elements.value(it));
+        let Some(arguments) = arguments.collect::<Option<Vec<_>>>() else {
+            return;
+        };
+        let inputs = self.inbox.inputs.iter_mut();
+        let same = inputs.filter(|input| input.located.function == function);
+        let mut locations = same.flat_map(|input| &mut input.locations);
+        let Some(location) = locations.find(|it| it.arguments == arguments) else {
+            return;
+        };
+        for event in before.waiting.iter() {
+            if let (Some(output), Some(value)) = (event.answers, elements.value(&event.value)) {
+                location.waiting.push_outcome(output, value);
+            }
+        }
     }
 
     /// Returns whether both versions bind the same out locations to the same effects.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asmotion_component::{Component, Fault, OperationSlot, guarded};
+use asmotion_component::{Component, Fault, NOTICE_REPORT, OperationSlot, guarded};
 use asmotion_datum::Datum;
 use asmotion_port::Time;
 
@@ -39,7 +39,7 @@ impl ComponentUnit {
     }
 
     /// Replaces the component, and requests a cycle of an event-driven one. Returns the old component and the notes of
-    /// the new one.
+    /// the new one, which are reported, too.
     pub(crate) fn replace(
         &mut self,
         mut new: NewComponent,
@@ -53,6 +53,14 @@ impl ComponentUnit {
             data: &Datum::text(&*new.description),
         };
         effects.emit(now, &event);
+        for note in &notes {
+            let event = Event::Report {
+                component: &self.name,
+                kind: NOTICE_REPORT,
+                data: &Datum::text(&**note),
+            };
+            effects.emit(now, &event);
+        }
         let old = self.exchange(new);
         effects.trigger(self.index);
         Ok((old, notes))
