@@ -2,6 +2,7 @@
 
 mod check;
 mod clocks;
+mod constraint;
 mod failure;
 mod fleet;
 mod fmt;

@@ -201,6 +201,7 @@ impl Specification {
                     name: invariant.name.to_string(),
                     is_undef: value.is_undef(),
                     assumes: invariant.assumes,
+                    is_constraint: invariant.is_constraint,
                     step: fault.step,
                     when,
                     at,

@@ -30,7 +30,7 @@ mod specification;
 pub use asmotion_diagnostics::{
     Diagnostic, Loader, Report, Severity, Sources, Span, Style, concise, render, render_all,
 };
-pub use asmotion_hir::{FunctionKind, Model, ReadOptions, unverified_properties};
+pub use asmotion_hir::{FunctionKind, Model, ReadOptions};
 pub use asmotion_machine::{
     BackEnd, Chooser, Environment, FaultKind, FirstChoice, Machine, NoInputs, Step, StepFault,
     Update,
@@ -40,6 +40,11 @@ pub use files::MemoryFiles;
 pub use history::{History, HistoryEvent, LastWrite};
 pub use session::Session;
 pub use specification::{OpenFailure, Specification, open, open_with};
+/// Returns a warning if the specification has properties that runs do not check.
+pub fn unverified_properties(model: &Model) -> Option<Diagnostic> {
+    hir::unverified_properties(model, |property| ir::is_watched(model, property))
+}
+
 pub use {
     asmotion_diagnostics as diagnostics, asmotion_hir as hir, asmotion_ir as ir,
     asmotion_machine as machine, asmotion_simulate as simulate, asmotion_stdlib as stdlib,

@@ -79,7 +79,7 @@ pub(crate) fn open_in(
     match ir::lower(&model) {
         Ok(lowered) => {
             report.extend(lowered.warnings);
-            report.extend(hir::unverified_properties(&model).into_iter().collect());
+            report.extend(crate::unverified_properties(&model).into_iter().collect());
             let (program, origins) = (Arc::new(lowered.program), lowered.origins);
             Ok(Specification {
                 model,

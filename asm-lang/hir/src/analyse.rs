@@ -85,10 +85,15 @@ pub fn analyse_with(
     (Some(analysis.finish(name, main_rule)), report)
 }
 
-/// Returns a warning if the specification has temporal properties, which no run verifies.
-pub fn unverified_properties(model: &Model) -> Option<Diagnostic> {
-    let at = model.properties.first()?.span;
-    let count = model.properties.len();
+/// Returns a warning if the specification has temporal properties, which no run verifies; `is_watched` selects those that every
+/// step of a run checks.
+pub fn unverified_properties(
+    model: &Model,
+    is_watched: impl Fn(&TemporalProperty) -> bool,
+) -> Option<Diagnostic> {
+    let unwatched = model.properties.iter().filter(|it| !is_watched(it));
+    let at = unwatched.clone().next()?.span;
+    let count = unwatched.count();
     Some(PropertiesNotVerified { count, at }.diagnostic())
 }
 
@@ -360,6 +365,10 @@ impl Analysis<'_> {
                 ast::PropertyKind::Ctl(body) => (PropertyLogic::Ctl, vec![body]),
                 ast::PropertyKind::Ltl(body) => (PropertyLogic::Ltl, vec![body]),
             };
+            let text = formulas
+                .first()
+                .map_or("", |body| self.sources.snippet(body.span));
+            let text = Arc::from(text);
             let formulas = formulas
                 .into_iter()
                 .map(|body| self.condition(unit, body, "a property"))
@@ -367,6 +376,7 @@ impl Analysis<'_> {
             let name = property.name.as_ref().map(|name| name.text.clone());
             self.properties.push(TemporalProperty {
                 name,
+                text,
                 logic,
                 formulas,
                 span: property.span,

@@ -38,7 +38,7 @@ pub struct Model {
     pub programs: Vec<AgentProgram>,
     /// Conditions that must hold in every state.
     pub invariants: Vec<Invariant>,
-    /// Temporal properties and fairness constraints; runs ignore them.
+    /// Temporal properties, fairness constraints and constraints; of these, runs check only constraints that read inputs.
     pub properties: Vec<TemporalProperty>,
     /// The functions that the machine itself interprets.
     pub reserved: Reserved,
@@ -246,6 +246,8 @@ pub struct Invariant {
 pub struct TemporalProperty {
     /// Declared name, if it has one.
     pub name: Option<Arc<str>>,
+    /// Text of its first formula.
+    pub text: Arc<str>,
     /// The keyword that introduces it.
     pub logic: PropertyLogic,
     /// The formulas: two for `COMPASSION`, otherwise one.
@@ -261,7 +263,7 @@ pub enum PropertyLogic {
     Ctl,
     /// `LTLSPEC`
     Ltl,
-    /// `INVAR`: restricts the states that a verifier considers.
+    /// `INVAR`: restricts the states and inputs that a verifier considers.
     Constraint,
     /// `JUSTICE`: holds infinitely often.
     Justice,

@@ -25,8 +25,8 @@ pub use id::*;
 pub use indexed::{IndexedGuard, first_conjunct};
 pub use interval::IntegerInterval;
 pub use lower::{
-    Lowered, MAX_CREATED, MessageRole, MessageUse, UnreachedLiteral, applied_functions, lower,
-    lower_with, message_uses, read_functions, unreached_literals, visit_rules, visit_terms,
+    Lowered, MAX_CREATED, MessageRole, MessageUse, UnreachedLiteral, applied_functions, is_watched,
+    lower, lower_with, message_uses, read_functions, unreached_literals, visit_rules, visit_terms,
 };
 pub use program::*;
 pub use value_shape::ValueShape;

@@ -14,6 +14,7 @@ mod reach;
 mod rule;
 mod term;
 mod uses;
+mod watched;
 
 use crate::code::{Body, Rule, RuleNode, Term};
 use crate::codes::a035::CircularDomain;
@@ -24,6 +25,7 @@ pub use layout::MAX_CREATED;
 
 pub use message::{MessageRole, MessageUse, message_uses};
 pub use uses::{UnreachedLiteral, applied_functions, read_functions, unreached_literals};
+pub use watched::is_watched;
 
 use asmotion_diagnostics::{Finding, Report, Span};
 use asmotion_hir::{Meaning, Model};
@@ -277,6 +279,32 @@ impl<'a> Lowering<'a> {
                 body,
                 assumes,
                 waits,
+                is_constraint: false,
+                origin,
+            });
+        }
+        self.watched_constraints();
+    }
+
+    /// Constraints that read inputs are assumptions about them, like such invariants.
+    fn watched_constraints(&mut self) {
+        let model = self.model;
+        let watched = model.properties.iter().filter(|it| is_watched(model, it));
+        for constraint in watched {
+            let [condition] = constraint.formulas.as_slice() else {
+                continue;
+            };
+            let body = self.body(constraint.span, condition);
+            let origin = self.origin(condition.root.span);
+            self.program.invariants.push(Invariant {
+                name: constraint
+                    .name
+                    .clone()
+                    .unwrap_or_else(|| constraint.text.clone()),
+                body,
+                assumes: true,
+                waits: false,
+                is_constraint: true,
                 origin,
             });
         }

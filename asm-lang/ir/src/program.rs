@@ -447,6 +447,8 @@ pub struct Invariant {
     /// `true` if the condition depends on inputs, including shared functions. The initial state can
     /// then be checked only with the inputs of the first step.
     pub waits: bool,
+    /// `true` for a constraint (`INVAR`) of the specification.
+    pub is_constraint: bool,
     /// Place of the condition in the sources.
     pub origin: Origin,
 }

@@ -3,8 +3,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Invariant violated
 ///
 /// An invariant must hold in every state. An invariant that reads inputs is an assumption about them
-/// and is checked before the step. Any other invariant is checked after the step, and the message shows
-/// the updates that led to the state.
+/// and is checked before the step, as is a constraint (`INVAR`) that reads inputs. Any other invariant is checked after the step,
+/// and the message shows the updates that led to the state.
 ///
 /// ```asm wrong
 /// asm example
@@ -33,12 +33,14 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R014, error)]
-#[error("the invariant `{name}` {} {when}", if *is_undef { "is undef" } else { "does not hold" })]
+#[error("the {} `{name}` {} {when}", if *is_constraint { "constraint" } else { "invariant" }, if *is_undef { "is undef" } else { "does not hold" })]
 pub(crate) struct InvariantViolated {
     pub name: String,
     pub is_undef: bool,
     /// `true` for an assumption about inputs, which is checked before the step.
     pub assumes: bool,
+    /// `true` for a constraint (`INVAR`).
+    pub is_constraint: bool,
     pub step: u64,
     pub when: String,
     pub at: Span,
@@ -52,6 +54,11 @@ impl Finding for InvariantViolated {
             (false, false, 0) => "change the initial values to satisfy it",
             (false, false, _) => "find the rule that broke it among the updates of the step",
         };
-        diagnostic.label(self.at, "evaluated here").help(help)
+        let diagnostic = diagnostic.label(self.at, "evaluated here").help(help);
+        if self.is_constraint {
+            diagnostic.note("what was verified under this constraint need not hold in this run")
+        } else {
+            diagnostic
+        }
     }
 }

@@ -215,13 +215,16 @@ fn initial_machine(
     Ok(machine)
 }
 
-/// Adds the inputs without a value to the explanation of a guard that is undef, with the key that gives them one.
+/// Adds the inputs without a value to the explanation of a guard or an invariant that is undef, with the key that gives them one.
 fn with_missing_inputs(finding: Diagnostic, fault: &StepFault, machine: &Machine) -> Diagnostic {
-    if !matches!(fault.kind, FaultKind::UndefinedGuard) {
+    let is_undef = |value: &Value| *value == Value::Undef;
+    let is_guard = matches!(fault.kind, FaultKind::UndefinedGuard);
+    let is_invariant = matches!(&fault.kind, FaultKind::Invariant { value, .. } if is_undef(value));
+    if !(is_guard || is_invariant) {
         return finding;
     }
     let step = machine.last_step();
-    let missing = step.inputs().iter().filter(|it| it.value == Value::Undef);
+    let missing = step.inputs().iter().filter(|it| is_undef(&it.value));
     missing.fold(finding, |finding, input| {
         let location = asmotion_lang::simulate::location(machine, input.slot);
         finding.help(format!(

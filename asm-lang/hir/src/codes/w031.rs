@@ -2,9 +2,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Properties that a run does not check
 ///
-/// Temporal properties (`CTLSPEC`, `LTLSPEC`) and the constraints on them (`INVAR`, `JUSTICE`, `COMPASSION`) are about all
-/// runs, so a single run does not check them: it behaves as if they were not there, even if they are false.
-/// `asmotion verify` proves or refutes them.
+/// Temporal properties (`CTLSPEC`, `LTLSPEC`), their fairness constraints (`JUSTICE`, `COMPASSION`) and constraints about the state
+/// alone (`INVAR`) are about all runs, so a single run does not check them: it behaves as if they were not there, even if they are
+/// false. `asmotion verify` proves or refutes them. A constraint that reads inputs is checked in every step, like an invariant.
 ///
 /// ```asm wrong
 /// asm example
@@ -60,6 +60,6 @@ impl Finding for PropertiesNotVerified {
         };
         diagnostic
             .label(self.at, first)
-            .note("a run checks invariants only; `asmotion verify` proves temporal properties, or shows a run that violates them")
+            .note("a run checks invariants, and constraints (`INVAR`) that read inputs; `asmotion verify` proves temporal properties, or shows a run that violates them")
     }
 }
