@@ -54,6 +54,10 @@ pub(crate) mod l073;
 pub(crate) mod l074;
 pub(crate) mod l075;
 pub(crate) mod l076;
+pub(crate) mod l077;
+pub(crate) mod l078;
+pub(crate) mod l079;
+pub(crate) mod l080;
 pub(crate) mod v001;
 pub(crate) mod v002;
 pub(crate) mod v003;
@@ -122,6 +126,10 @@ pub const CODES: &[&Code] = &[
     l074::NoSection::CODE,
     l075::PropertyPrefix::CODE,
     l076::CalledEarly::CODE,
+    l077::CompoundAssignment::CODE,
+    l078::InfixDivision::CODE,
+    l079::BareInterval::CODE,
+    l080::QualifiedElement::CODE,
     v001::NoScenarioHeading::CODE,
     v002::NoLoadCommand::CODE,
     v003::UnknownCommand::CODE,

@@ -16,6 +16,7 @@ pub mod family;
 pub mod finding;
 pub mod map;
 pub mod mission;
+mod misspelt;
 pub mod model;
 mod named;
 mod nearest;

@@ -6,6 +6,7 @@ use crate::at::At;
 use crate::codes::c001::InvalidToml;
 use crate::codes::c002::UnreadableComposite;
 use crate::finding::Findings;
+use crate::misspelt;
 use crate::model::Composite;
 use crate::table::Table as _;
 use crate::table::derived::Reader;
@@ -22,7 +23,9 @@ const MAX_SYNTAX_ERRORS: usize = 10;
 pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> (Option<Composite>, Report) {
     let mut reader = Reader::new(text);
     let top = top(file);
-    let mut keys = reader.keys(tree, Composite::outline().of, top);
+    let (mut tree, outline) = (tree.clone(), Composite::outline());
+    misspelt::correct(&mut tree, &outline, &mut reader.report);
+    let mut keys = reader.keys(&tree, outline.of, top);
     let composite = Composite::read_keys(&mut keys, &At::new(String::new(), top));
     drop(keys);
     (composite, reader.report)

@@ -10,6 +10,7 @@ use crate::codes::l051::UpdateForEquals;
 use crate::codes::l059::ProductSign;
 use crate::codes::l060::InfixMembership;
 use crate::codes::l061::ReturnOfNoRule;
+use crate::codes::l079::BareInterval;
 use crate::lexer::{Keyword, Sign, SpannedToken, Token};
 use asmotion_diagnostics::{Diagnostic, Finding};
 
@@ -52,6 +53,7 @@ impl<'input> Explainer<'input, '_> {
             Sign::Lt if expected.has("<-") && self.behind(found).starts_with('-') => {
                 Some(ReturnOfNoRule { at }.diagnostic())
             }
+            Sign::Dots if expected.operator() => Some(BareInterval { at }.diagnostic()),
             Sign::Star if self.declares(FUNCTIONS) => Some(ProductSign { at }.diagnostic()),
             Sign::Arrow if expected.operator() && !expected.has("->") => Some(
                 ForeignSign {

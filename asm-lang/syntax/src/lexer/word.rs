@@ -1,9 +1,11 @@
 //! Words: keywords, names, variables and paths.
 
-use super::{Keyword, Lexer, Token, TokenLength, number};
+use super::{Keyword, Lexer, Sign, Token, TokenLength, number};
 use crate::codes::l002::ForeignLetters;
 use crate::codes::l011::ElementName;
 use crate::codes::l064::UnneededEnd;
+use crate::codes::l078::InfixDivision;
+use crate::codes::l080::QualifiedElement;
 
 /// Returns `true` if a word can begin with this character.
 pub(super) fn begins(c: char) -> bool {
@@ -41,6 +43,12 @@ impl<'input> Lexer<'input, '_> {
             return self.name(Token::Word(word), word);
         }
         if let Some(foreign) = self.foreign_word(word) {
+            return foreign;
+        }
+        if let Some(foreign) = self
+            .qualified_element(word)
+            .or_else(|| self.infix_division(word))
+        {
             return foreign;
         }
         if let Some(keyword) = Keyword::spelled(word) {
@@ -113,6 +121,44 @@ impl<'input> Lexer<'input, '_> {
         let found = rest.get(..rest.find(second)? + second.len())?;
         self.report_foreign(found, suggestion.spelling());
         Some((Token::Keyword(*suggestion), found.len()))
+    }
+
+    /// Reads an element with its domain, `Mode.RUN` or `Mode::RUN`: reports it, and returns the element.
+    fn qualified_element(&self, domain: &str) -> Option<TokenLength<'input>> {
+        let rest = self.rest();
+        let behind = rest.get(domain.len()..)?;
+        let element = behind
+            .strip_prefix("::")
+            .or_else(|| behind.strip_prefix('.'))?;
+        let element = element.get(..length(element))?;
+        let is_constant = |word: &str| word.starts_with(char::is_uppercase);
+        if !is_constant(domain) || !is_constant(element) {
+            return None;
+        }
+        let dots = behind.find(element)?;
+        let written = rest.get(..domain.len() + dots + element.len())?;
+        self.findings.report(QualifiedElement {
+            written: written.to_owned(),
+            element: element.to_owned(),
+            at: self.next_bytes(written.len()),
+        });
+        Some((Token::Constant(element), written.len()))
+    }
+
+    /// Reads `div` between two operands: reports it, and returns an operator whose result has the type of its operands.
+    fn infix_division(&self, word: &str) -> Option<TokenLength<'input>> {
+        let behind = self.rest().get(word.len()..)?.trim_start();
+        let is_operator = word == "div"
+            && self.previous.is_some_and(Token::ends_operand)
+            && ![":=", "(", "<-", "="]
+                .iter()
+                .any(|sign| behind.starts_with(sign));
+        is_operator.then(|| {
+            self.findings.report(InfixDivision {
+                at: self.next_bytes(word.len()),
+            });
+            (Token::Sign(Sign::Star), word.len())
+        })
     }
 
     /// Reports the end keyword of a rule that has none, and skips it.

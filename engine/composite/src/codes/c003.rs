@@ -39,12 +39,17 @@ pub(crate) struct UnknownKey {
     pub at: Span,
     pub known: Vec<&'static str>,
     pub nearest: Option<Nearest>,
+    /// What to write instead, if the key is a known mistake.
+    pub instead: Option<String>,
 }
 
 impl Finding for UnknownKey {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { known, nearest, .. } = self;
-        let keys = format!("the keys are {}", enumerate(known));
+        let keys = match &self.instead {
+            Some(instead) => format!("write `{instead}`"),
+            None => format!("the keys are {}", enumerate(known)),
+        };
         diagnostic
             .label(self.at, "unknown key")
             .suggest_or(self.at, nearest, keys)

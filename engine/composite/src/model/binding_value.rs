@@ -86,6 +86,7 @@ impl Value for Out {
         let mut outline = Published::outline();
         outline.append(Action::outline());
         outline.one_of.insert(0, "topic");
+        outline.has_names = true;
         Some(outline)
     }
 

@@ -336,6 +336,7 @@ impl Drop for Keys<'_, '_, '_> {
                     at: entry.key.span,
                     nearest: nearest_name(key, self.known.iter().copied()),
                     known: self.known.iter().copied().collect(),
+                    instead: None,
                 });
             }
         }

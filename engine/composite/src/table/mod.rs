@@ -127,6 +127,8 @@ pub struct Outline {
     pub keys: Vec<(&'static Key, Option<&'static str>)>,
     /// Keys of which exactly one is required.
     pub one_of: Vec<&'static str>,
+    /// `true` if the keys of a table can be names that the composite chooses instead, such as the literals of an out function.
+    pub has_names: bool,
 }
 
 impl Key {
@@ -201,6 +203,7 @@ impl Outline {
             doc,
             keys: Vec::new(),
             one_of: Vec::new(),
+            has_names: false,
         }
     }
 
