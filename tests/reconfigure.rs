@@ -335,3 +335,60 @@ fn c18_a_specification_is_replaced_while_it_runs_or_refused_with_the_invariant_t
     assert_ne!(code, Some(0));
     assert!(err.contains("`ASMCoordinator` was replaced at"), "{err}");
 }
+
+#[test]
+fn c18_two_specifications_that_talk_to_each_other_are_replaced_together_or_not_at_all() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let folder = tempfile::tempdir().unwrap();
+    let specs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/courier");
+    let names = [
+        "Dispatch.asm",
+        "courier.asm",
+        "dispatcher.asm",
+        "courier.composite.toml",
+    ];
+    for name in names {
+        std::fs::copy(specs.join(name), folder.path().join(name)).unwrap();
+    }
+    let composite = folder.path().join("courier.composite.toml");
+    let path = composite.to_str().unwrap();
+    let becomes = |name: &str, from: &str, to: &str| {
+        let text = std::fs::read_to_string(specs.join(name)).unwrap();
+        assert!(text.contains(from), "{from}");
+        std::fs::write(folder.path().join(name), text.replace(from, to)).unwrap();
+    };
+    let running = Running::start(&mut through(run_any(&composite), &broker, &vhost, None));
+    crate::processes::queues(&vhost, "robots.services.courier.control.courier");
+    let reconfigure = || tool(&broker, &url, &["reconfigure", path]);
+
+    // the second one could change
+    becomes("dispatcher.asm", "place + 3", "place + 4");
+    becomes("courier.asm", "jobs >= 0", "jobs < 0");
+    let (code, out, err) = reconfigure();
+    assert_eq!((code, &*out), (Some(1), ""), "{err}");
+    assert!(
+        err.contains("the invariant `jobs < 0` does not hold"),
+        "{err}"
+    );
+    becomes("dispatcher.asm", "place + 3", "place + 3");
+    becomes("courier.asm", "jobs >= 0", "jobs >= 0");
+    let (code, out, err) = reconfigure();
+    assert_eq!(
+        (code, &*out),
+        (Some(0), "courier: no changes\n"),
+        "neither has changed: {err}"
+    );
+
+    becomes("dispatcher.asm", "place + 3", "place + 4");
+    becomes("courier.asm", "jobs >= 0", "jobs >= -1");
+    let (code, out, err) = reconfigure();
+    let expected = "courier: `Courier` runs another version of `courier.asm`\n\
+                    courier: `Dispatcher` runs another version of `dispatcher.asm`\n";
+    assert_eq!((code, &*out), (Some(0), expected), "{err}");
+    drop(running);
+}

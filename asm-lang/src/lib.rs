@@ -39,12 +39,7 @@ pub use asmotion_value::Value;
 pub use files::MemoryFiles;
 pub use history::{History, HistoryEvent, LastWrite};
 pub use session::Session;
-pub use specification::{OpenFailure, Specification, open, open_with};
-/// Returns a warning if the specification has properties that runs do not check.
-pub fn unverified_properties(model: &Model) -> Option<Diagnostic> {
-    hir::unverified_properties(model, |property| ir::is_watched(model, property))
-}
-
+pub use specification::{OpenFailure, Specification, open, open_with, unverified_properties};
 pub use {
     asmotion_diagnostics as diagnostics, asmotion_hir as hir, asmotion_ir as ir,
     asmotion_machine as machine, asmotion_simulate as simulate, asmotion_stdlib as stdlib,

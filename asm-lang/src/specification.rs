@@ -1,6 +1,6 @@
 //! Opens specifications: from a path to a program for a machine.
 
-use asmotion_diagnostics::{Loader, Report, Sources, Span, Style, render_all};
+use asmotion_diagnostics::{Diagnostic, Loader, Report, Sources, Span, Style, render_all};
 use asmotion_hir::{self as hir, Model, ReadOptions};
 use asmotion_ir as ir;
 use asmotion_machine::{Machine, StepFault};
@@ -79,7 +79,7 @@ pub(crate) fn open_in(
     match ir::lower(&model) {
         Ok(lowered) => {
             report.extend(lowered.warnings);
-            report.extend(crate::unverified_properties(&model).into_iter().collect());
+            report.extend(unverified_properties(&model).into_iter().collect());
             let (program, origins) = (Arc::new(lowered.program), lowered.origins);
             Ok(Specification {
                 model,
@@ -97,6 +97,11 @@ pub(crate) fn open_in(
             })
         }
     }
+}
+
+/// Returns a warning if the specification has properties that runs do not check.
+pub fn unverified_properties(model: &Model) -> Option<Diagnostic> {
+    hir::unverified_properties(model, |property| ir::is_watched(model, property))
 }
 
 impl Specification {

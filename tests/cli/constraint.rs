@@ -88,6 +88,41 @@ fn a_simulation_stops_at_inputs_that_verification_excludes() {
 }
 
 #[test]
+fn a_constraint_reads_inputs_through_definitions_and_one_about_the_state_alone_is_not_checked() {
+    let (_folder, script, door) = beside("door.env.toml", SCRIPT);
+    let with = |changes: &[(&str, &str)]| {
+        let mut text = DOOR.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        std::fs::write(&door, text).unwrap();
+        run(&["sim", &door, "--env", &script])
+    };
+    let (code, out, err) = with(&[
+        (
+            "  controlled side",
+            "  derived jammed: Boolean\n  controlled side",
+        ),
+        (
+            "  INVAR not (opened and closed)",
+            "  function jammed = opened and closed\n  INVAR not jammed",
+        ),
+    ]);
+    assert_eq!(code, 3, "{out}{err}");
+    assert!(
+        err.contains("the constraint `not jammed` does not hold in step 2"),
+        "{out}{err}"
+    );
+    let (code, out, err) = with(&[("INVAR not (opened and closed)", "INVAR side = LEFT")]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(
+        err.contains("2 temporal properties, which runs do not check"),
+        "{out}{err}"
+    );
+}
+
+#[test]
 fn a_scenario_fails_at_inputs_that_verification_excludes() {
     let (_folder, scenario, _) = beside("door.avalla", SCENARIO);
     let (code, out, err) = run(&["test", &scenario]);

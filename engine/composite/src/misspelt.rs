@@ -115,7 +115,7 @@ fn merge(table: &mut Table, entry: Entry) {
     match (&mut known.node.value, entry.node.value) {
         (Branch::Table(under), Branch::Table(over)) => under.lay(over),
         (Branch::List(items), Branch::List(others)) => items.extend(others),
-        _ => {}
+        (_, _) => {}
     }
 }
 
