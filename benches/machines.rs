@@ -46,19 +46,19 @@ macro_rules! cases {
 /// Each machine must be at least five hundred times as fast as AsmetaS. The factors of AsmetaS were measured once,
 /// against the same hand-written machines.
 const CASES: &[Case] = cases! {
-    "counter" "counter" 6.0 6425.0;
-    "gcd" "gcd" 6.0 9192.0;
-    "phil5" "phil5" 4.0 9989.0;
-    "phil50" "phil50" 2.5 4803.0;
-    "phil500" "phil500" 2.5 6159.0;
+    "counter" "counter" 4.0 6425.0;
+    "gcd" "gcd" 4.0 9192.0;
+    "phil5" "phil5" 2.0 9989.0;
+    "phil50" "phil50" 2.0 4803.0;
+    "phil500" "phil500" 2.0 6159.0;
     "life32" "life32" 30.0 81970.0;
     "life32" "life32_scalar" 8.0 81970.0;
     "life128" "life128" 60.0 243703.0;
     "life128" "life128_scalar" 20.0 243703.0;
-    "sort64" "sort64" 10.0 79094.0;
-    "sort512" "sort512" 10.0 83651.0;
-    "agents100" "agents100" 4.0 16932.0;
-    "coord" "coord" 4.0 9746.0;
+    "sort64" "sort64" 5.0 79094.0;
+    "sort512" "sort512" 5.0 83651.0;
+    "agents100" "agents100" 1.5 16932.0;
+    "coord" "coord" 2.5 9746.0;
     "bfs1000" "bfs1000" 1104.0 552073.0;
 };
 

@@ -51,6 +51,9 @@ impl IntegerInterval {
                 let high = corners.iter().copied().fold(i128::MIN, i128::max);
                 (low, high)
             }
+            Arithmetic::Mod if a == b && c == d && c != 0 => (a % c, a % c),
+            // a divisor that is greater leaves the dividend as it is
+            Arithmetic::Mod if a >= 0 && c > b => (a, b),
             Arithmetic::Mod => {
                 // the result has the dividend's sign, and its magnitude is less than the divisor's
                 let most = (c.abs().max(d.abs()) - 1).max(0);

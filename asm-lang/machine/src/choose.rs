@@ -50,6 +50,7 @@ pub enum Choosing {
 
 impl Choosing {
     /// Asks a chooser how it chooses the value of a variable with this range.
+    #[inline]
     pub(crate) fn by(chooser: &dyn Chooser, range: Origin) -> Self {
         match chooser.picked(range) {
             Some(_) => Self::Picked,

@@ -6,11 +6,12 @@
 //! those already made.
 
 use crate::choose::{Chooser, Choosing};
-use crate::record::{StepChoice, StepLog};
-use crate::updates::{UpdateLists, Updates};
+use crate::record::StepChoice;
+use crate::scratch::Scratch;
+use crate::state::MachineState;
+use crate::updates::UpdateLists;
 use asmotion_ir::{DomainId, Origin};
 use asmotion_value::Value;
-use std::sync::Arc;
 
 /// A main rule as native code that handles whole steps.
 pub trait DirectRule: Send + Sync {
@@ -65,45 +66,54 @@ impl DirectUse {
 
 /// The parts of a machine that a direct rule accesses.
 pub struct DirectStep<'a> {
-    pub(crate) slots: &'a mut [Value],
-    pub(crate) extents: &'a [Arc<Vec<Value>>],
-    pub(crate) updates: &'a mut Updates,
-    pub(crate) before: &'a mut Vec<Value>,
-    pub(crate) applies: bool,
+    pub(crate) state: &'a mut MachineState,
+    pub(crate) scratch: &'a mut Scratch,
     pub(crate) chooser: &'a mut dyn Chooser,
-    pub(crate) record: &'a mut StepLog,
+    /// `true` if the updates are to be applied.
+    pub(crate) applies: bool,
 }
 
 impl DirectStep<'_> {
     /// Returns the values of all slots.
-    #[inline]
+    #[inline(always)]
     pub fn slots_mut(&mut self) -> &mut [Value] {
-        self.slots
+        &mut self.state.store.slots
     }
 
     /// Returns the elements of a domain that is not an interval, in ascending order.
     pub fn extent(&self, domain: DomainId) -> &[Value] {
-        let extent = self.extents.get(domain.0 as usize);
+        let extent = self.state.store.extents.get(domain.0 as usize);
         extent.map_or(&[], |elements| elements.as_slice())
     }
 
     /// Returns the lists of the update set, which is empty at the start of a step.
-    #[inline]
+    #[inline(always)]
     pub fn update_lists(&mut self) -> UpdateLists<'_> {
-        self.updates.lists()
+        self.scratch.updates.lists()
     }
 
     /// Returns the list for the previous values of the updated slots, empty at the start of a step, if the updates are to be
     /// applied.
-    #[inline]
+    #[inline(always)]
     pub fn before(&mut self) -> Option<&mut Vec<Value>> {
-        self.applies.then_some(&mut *self.before)
+        self.applies.then_some(&mut self.scratch.before)
     }
 
     /// Returns the coverage counters of the program. They stay in place during the step.
-    #[inline]
+    #[inline(always)]
     pub fn counters(&mut self) -> &mut [u64] {
-        &mut self.record.counts
+        &mut self.scratch.record.counts
+    }
+
+    /// Decides about a variable with this range and `count` candidates. Returns the index of the chosen one, and records the
+    /// choice unless the first one is always taken; `None` if the value is picked from outside, whatever the candidates.
+    #[inline]
+    pub fn decide(&mut self, range: Origin, count: usize, origin: Origin) -> Option<usize> {
+        match Choosing::by(self.chooser, range) {
+            Choosing::ByNumber if count > 0 => Some(self.choose(count, origin)),
+            Choosing::ByNumber | Choosing::First => Some(0),
+            Choosing::Picked => None,
+        }
     }
 
     /// Returns how a variable with this range is chosen.
@@ -112,8 +122,9 @@ impl DirectStep<'_> {
     }
 
     /// Returns the index of the chosen candidate, and records the choice. `count` is at least 1.
+    #[inline]
     pub fn choose(&mut self, count: usize, origin: Origin) -> usize {
-        self.record.choose(self.chooser, count, origin)
+        self.scratch.record.choose(self.chooser, count, origin)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::choose::Chooser;
 use crate::direct::{DirectResult, DirectStep, RepeatedChoices};
 use crate::environment::Environment;
 use crate::fault::StepFault;
-use crate::machine::{Machine, Scratch};
+use crate::machine::Machine;
 use crate::updates::Update;
 
 impl Machine {
@@ -55,53 +55,39 @@ impl Machine {
             return false;
         };
         self.direct.tried += 1;
-        self.scratch.begun_at = (self.steps, self.state.store.reserve.len());
-        if self.scratch.is_direct {
-            self.scratch.begin_again(now_ns);
+        let scratch = &mut self.scratch;
+        if scratch.is_direct {
+            scratch.begin_again(self.steps, now_ns);
         } else {
-            self.scratch.begin(now_ns);
-            self.scratch.updates.begin(self.state.len());
-            self.state.forget_uncommitted();
+            scratch.begin_directly(self.steps, &mut self.state, now_ns);
         }
-        let is_counted = !self.program.counted.is_empty();
-        if is_counted {
-            self.scratch.save_counts(self.program.counted.len());
+        if !self.program.counted.is_empty() {
+            scratch.save_counts(self.program.counted.len());
         }
-        let Scratch {
-            updates,
-            record,
-            before,
-            ..
-        } = &mut self.scratch;
         let mut step = DirectStep {
-            slots: &mut self.state.store.slots,
-            extents: &self.state.store.extents,
-            updates,
-            before,
-            applies,
+            state: &mut self.state,
+            scratch,
             chooser,
-            record,
+            applies,
         };
         match rule.collect(&mut step) {
-            DirectResult::Scalars => {
-                (self.scratch.is_plain, self.scratch.is_direct) = (true, true);
-                true
-            }
+            DirectResult::Scalars => true,
             DirectResult::Values => {
-                (self.scratch.is_plain, self.scratch.is_direct) = (false, false);
+                self.scratch.forbid_shortcuts();
                 true
             }
             DirectResult::GaveUp => {
-                self.give_up(is_counted);
+                self.give_up();
                 false
             }
         }
     }
 
     #[cold]
-    fn give_up(&mut self, is_counted: bool) {
+    fn give_up(&mut self) {
         self.direct.miss();
-        if is_counted {
+        self.scratch.is_direct = false;
+        if !self.program.counted.is_empty() {
             std::mem::swap(
                 &mut self.scratch.record.counts,
                 &mut self.scratch.counts_before,

@@ -31,6 +31,7 @@ mod packed;
 mod record;
 mod run;
 mod scalar_updates;
+mod scratch;
 mod snapshot;
 mod state;
 mod tiering;

@@ -7,12 +7,13 @@ use crate::environment::Environment;
 use crate::fault::StepFault;
 use crate::messages::{MessagesInTransit, SentMessage};
 use crate::naming::Naming;
-use crate::record::{StepChoice, StepInput, StepLog, TakenCandidate};
+use crate::record::{StepChoice, StepInput, TakenCandidate};
 use crate::run::code::{CompiledProgram, NativeCompiler};
 use crate::run::{RuleStopped, StepContext};
 use crate::scalar_updates;
+use crate::scratch::Scratch;
 use crate::state::MachineState;
-use crate::updates::{Update, Updates};
+use crate::updates::Update;
 use crate::witness_notes::WitnessNotes;
 use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::{Atom, Value};
@@ -111,77 +112,6 @@ pub struct Machine {
     /// Work done so far, in the unit of [`STEP`].
     pub(crate) work: u64,
     pub(crate) direct: DirectUse,
-}
-
-/// Buffers of a step, reused by the next one.
-#[derive(Default)]
-pub(crate) struct Scratch {
-    pub updates: Updates,
-    pub record: StepLog,
-    locals: Vec<Value>,
-    stack: Vec<Value>,
-    pub before: Vec<Value>,
-    /// Number of steps and of atoms in the reserve before the last step.
-    pub begun_at: (u64, usize),
-    /// `true` if the last step wrote and replaced only scalars, so that no value needs to be
-    /// dropped.
-    pub is_plain: bool,
-    /// `true` if a direct step used the buffers last.
-    pub is_direct: bool,
-    /// Coverage counters before a direct step.
-    pub counts_before: Vec<u64>,
-    /// Choices of a direct rule that gave up, to be repeated.
-    pub missed: Vec<StepChoice>,
-    /// Records of a failed step that is being repeated; otherwise `None`.
-    notes: Option<WitnessNotes>,
-}
-
-impl Scratch {
-    /// Clears the buffers of the last step.
-    #[inline]
-    pub fn begin(&mut self, now_ns: i64) {
-        self.record.begin(now_ns);
-        if self.is_plain {
-            scalar_updates::forget(&mut self.before);
-            scalar_updates::forget(&mut self.updates.list);
-        } else {
-            self.before.clear();
-            self.updates.list.clear();
-        }
-        // assume non-scalars until this step has succeeded
-        self.is_plain = false;
-        self.is_direct = false;
-    }
-
-    #[inline(never)]
-    pub fn save_counts(&mut self, count: usize) {
-        self.record.allocate_counts(count);
-        self.counts_before.clone_from(&self.record.counts);
-    }
-
-    /// Clears the buffers after a direct step, which uses no others.
-    #[inline]
-    pub fn begin_again(&mut self, now_ns: i64) {
-        self.record.choices.clear();
-        self.record.now_ns = now_ns;
-        scalar_updates::forget(&mut self.before);
-        scalar_updates::forget(&mut self.updates.list);
-        self.updates.begin_again();
-    }
-}
-
-impl Clone for Scratch {
-    /// Creates empty buffers: their contents do not outlive a step.
-    fn clone(&self) -> Self {
-        let record = StepLog {
-            keeps_candidates: self.record.keeps_candidates,
-            ..StepLog::default()
-        };
-        Self {
-            record,
-            ..Self::default()
-        }
-    }
 }
 
 impl Machine {
@@ -400,25 +330,26 @@ impl Machine {
         if self.program.invariants.is_empty() {
             Ok(())
         } else {
-            let checked = self.check_new_state(environment, chooser, now_ns);
-            if self.program.compatible {
-                // in the reference, reading a location makes it part of the state
-                self.state.commit();
-            }
-            checked
+            self.check_new_state(environment, chooser, now_ns)
         }
     }
 
+    #[inline(never)]
     fn check_new_state(
         &mut self,
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<(), Box<StepFault>> {
-        self.run(environment, chooser, self.steps, now_ns, |run| {
+        let checked = self.run(environment, chooser, self.steps, now_ns, |run| {
             // the context records a violation as a fault
             let _ = run.check_invariants(false);
-        })
+        });
+        if self.program.compatible {
+            // in the reference, reading a location makes it part of the state
+            self.state.commit();
+        }
+        checked
     }
 
     /// Discards the last step, but keeps the coverage counters.

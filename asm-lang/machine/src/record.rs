@@ -86,6 +86,7 @@ impl StepLog {
     }
 
     /// Asks a chooser for the index of one of `count` candidates, at least 1, and records the choice.
+    #[inline]
     pub fn choose(&mut self, chooser: &mut dyn Chooser, count: usize, origin: Origin) -> usize {
         let index = chooser.choose(count).min(count.saturating_sub(1));
         self.choices.push(StepChoice {

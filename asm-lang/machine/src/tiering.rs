@@ -51,6 +51,7 @@ impl Machine {
     /// Notes that the state was changed other than by a step.
     pub(crate) fn changed_outside(&mut self) {
         self.direct.is_ready = false;
+        self.scratch.is_direct = false;
     }
 
     /// Selects the implementation of future steps. [`BackEnd::Native`] compiles immediately.

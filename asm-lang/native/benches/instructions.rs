@@ -44,14 +44,14 @@ macro_rules! cases {
 }
 
 const CASES: &[Case] = cases! {
-    "counter" 4000 8.0;
-    "gcd" 2000 5.5;
-    "phil5" 2000 2.6;
-    "phil50" 500 1.6;
-    "life32" 40 3.2;
-    "sort64" 400 5.0;
-    "agents100" 100 2.0;
-    "coord" 2000 3.5;
+    "counter" 4000 6.5;
+    "gcd" 2000 4.4;
+    "phil5" 2000 1.6;
+    "phil50" 500 1.2;
+    "life32" 40 2.9;
+    "sort64" 400 3.5;
+    "agents100" 100 1.8;
+    "coord" 2000 2.7;
     "bfs1000" 200 150.0;
 };
 

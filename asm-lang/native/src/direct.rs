@@ -25,12 +25,14 @@ impl Emitter<'_> {
         let next_update = self.builder.declare_var(I64);
         let first = self.field(I64, at::LIST);
         self.builder.def_var(next_update, first);
+        let slots = self.field(I64, at::SLOTS);
         let iterations = self.builder.declare_var(I64);
         let none = self.number(I64, 0);
         self.builder.def_var(iterations, none);
         self.direct = Some(DirectCode {
             next_update,
             first_update: first,
+            slots,
             iterations,
             holds_scalars: true,
             clash_free,
@@ -50,30 +52,30 @@ impl Emitter<'_> {
         let Some(direct) = &self.direct else {
             return;
         };
-        let (first, holds_scalars) = (direct.first_update, direct.holds_scalars);
+        let (first, slots) = (direct.first_update, direct.slots);
+        let holds_scalars = direct.holds_scalars;
         let end = self.builder.use_var(direct.next_update);
         self.store(self.memory.frame, end, self.frame, at::LIST);
-        let (apply, head, done) = (self.block(), self.block(), self.block());
+        let (some, apply, head, done) = (self.block(), self.block(), self.block(), self.block());
         let update = self.builder.append_block_param(head, I64);
         let before = self.builder.append_block_param(head, I64);
         let others = self.builder.append_block_param(head, I8);
         let result = self.builder.append_block_param(done, I8);
         let none = self.number(I8, 0);
-        let list = self.field(I64, direct_frame::BEFORE);
         let is_empty = self.builder.ins().icmp(IntCC::Equal, first, end);
-        let is_idle = self.compare(IntCC::Equal, list, 0);
-        let is_idle = self.builder.ins().bor(is_empty, is_idle);
-        self.builder
-            .ins()
-            .brif(is_idle, done, &[none.into()], apply, &[]);
+        let ins = self.builder.ins();
+        ins.brif(is_empty, done, &[none.into()], some, &[]);
+        self.begin(some);
+        let list = self.field(I64, direct_frame::BEFORE);
+        let ins = self.builder.ins();
+        ins.brif(list, apply, &[], done, &[none.into()]);
         self.begin(apply);
-        let slots = self.field(I64, at::SLOTS);
         let start = [first.into(), list.into(), none.into()];
         self.builder.ins().jump(head, &start);
         self.begin(head);
-        let slot = self.load(self.memory.updates, I32, update, at::UPDATE_SLOT);
-        let slot = self.builder.ins().uextend(I64, slot);
-        let bytes = self.builder.ins().imul_imm_s(slot, at::VALUE_SIZE);
+        let memory = self.memory.updates;
+        let slot = self.builder.ins().uload32(memory, update, at::UPDATE_SLOT);
+        let bytes = self.scaled(slot, at::VALUE_SIZE);
         let place = self.builder.ins().iadd(slots, bytes);
         let mut found = others;
         if !holds_scalars {

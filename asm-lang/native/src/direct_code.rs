@@ -17,6 +17,8 @@ pub(crate) struct DirectCode {
     /// Address of the next update.
     pub next_update: Variable,
     pub first_update: Value,
+    /// Address of the slots, which stay in place during a direct step.
+    pub slots: Value,
     /// Number of iterations of all loops so far.
     pub iterations: Variable,
     /// `true` if all slots that are updated hold scalars.

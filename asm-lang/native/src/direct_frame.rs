@@ -115,21 +115,43 @@ impl DirectFrame {
         updates: usize,
         extents: *const Extent,
     ) -> DirectResult {
+        if has_room(step, updates) {
+            Self::enter_with_room(step, entry, extents)
+        } else {
+            Self::enter_after_growth(step, entry, updates, extents)
+        }
+    }
+
+    /// Enlarges the lists first. A function of its own, because the other path then keeps nothing across calls.
+    #[cold]
+    #[inline(never)]
+    fn enter_after_growth(
+        step: &mut DirectStep<'_>,
+        entry: DirectEntry,
+        updates: usize,
+        extents: *const Extent,
+    ) -> DirectResult {
+        if let Some(before) = step.before() {
+            before.reserve(updates);
+        }
+        step.update_lists().updates.reserve(updates);
+        Self::enter_with_room(step, entry, extents)
+    }
+
+    /// Runs a direct rule; both lists have room for its updates.
+    #[inline(always)]
+    fn enter_with_room(
+        step: &mut DirectStep<'_>,
+        entry: DirectEntry,
+        extents: *const Extent,
+    ) -> DirectResult {
         let slots = step.slots_mut().as_mut_ptr();
         let before = match step.before() {
-            Some(before) => {
-                if before.capacity() < updates {
-                    before.reserve(updates);
-                }
-                before.as_mut_ptr()
-            }
+            Some(before) => before.as_mut_ptr(),
             None => std::ptr::null_mut(),
         };
         let counters = step.counters().as_mut_ptr();
         let lists = step.update_lists();
-        if lists.updates.capacity() < updates {
-            lists.updates.reserve(updates);
-        }
         let list = lists.updates.as_mut_ptr();
         let (marks, epoch) = (lists.marks.as_mut_ptr(), lists.epoch);
         let mut frame = Self {
@@ -146,8 +168,8 @@ impl DirectFrame {
         // SAFETY: the entry was generated for the program of this step and for this layout of the frame, and its memory
         // lives as long as the rule that called this function. It accesses slots and marks only below the number of slots
         // that the program fixes, counters only below their number, reads elements of domains only below theirs, and writes
-        // at most `updates` updates, for which the list, empty at the start of a step, has capacity. No extent changes in a
-        // direct step. `step` is not used here until it returns.
+        // at most as many updates as `has_room` was asked for, for which the lists, empty at the start of a step, have
+        // capacity. No extent changes in a direct step. `step` is not used here until it returns.
         let status = unsafe { entry(&raw mut frame) };
         if let Some(payload) = frame.panic {
             resume_unwind(payload);
@@ -206,4 +228,29 @@ pub(crate) extern "C" fn way(frame: &mut DirectFrame, range: u32) -> u8 {
 pub(crate) extern "C" fn choose(frame: &mut DirectFrame, count: u64, origin: u32) -> u64 {
     let chosen = frame.asked(|step| step.choose(count as usize, Origin(origin)) as u64);
     chosen.unwrap_or_default()
+}
+
+/// Decides about a variable with this range: returns the index of the chosen one of `count` candidates, or [`PICKED`].
+pub(crate) extern "C" fn decide(
+    frame: &mut DirectFrame,
+    range: u32,
+    count: u64,
+    origin: u32,
+) -> u64 {
+    let decided = frame.asked(|step| step.decide(Origin(range), count as usize, Origin(origin)));
+    match decided {
+        Some(Some(index)) => index as u64,
+        Some(None) => PICKED,
+        None => 0,
+    }
+}
+
+/// The answer of [`decide`] if the value was picked from outside.
+pub(crate) const PICKED: u64 = u64::MAX;
+
+/// Returns `true` if both lists of a step have room for this many updates.
+#[inline(always)]
+fn has_room(step: &mut DirectStep<'_>, updates: usize) -> bool {
+    let has_room_before = step.before().is_none_or(|it| it.capacity() >= updates);
+    has_room_before && step.update_lists().updates.capacity() >= updates
 }

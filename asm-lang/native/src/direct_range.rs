@@ -2,15 +2,17 @@
 
 use crate::atoms::AtomRange;
 use crate::bound_range::{BoundRange, Counting, total};
+use crate::direct_frame::PICKED;
 use crate::emit::{AtomCode, Emitter, KnownValue, Loops, NativeInt, Ssa};
 use crate::range_guard::RangeGuard;
 use crate::static_analysis::StaticRange;
+use crate::unroll::PartCount;
 use asmotion_ir::{
     Arithmetic, IntegerInterval, Local, Origin, Term, TermNode, ValueKind, first_conjunct,
 };
 use asmotion_value::Value;
 use cranelift_codegen::ir::condcodes::IntCC;
-use cranelift_codegen::ir::types::{I8, I32, I64};
+use cranelift_codegen::ir::types::{I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder};
 
 /// Limit for the number of candidates that are kept in the bits of a word.
@@ -181,33 +183,21 @@ impl Emitter<'_> {
         let &[(local, span, range)] = spans else {
             return;
         };
-        let range = self.number(I32, i64::from(range.0));
-        let takes_first = match self.call(self.calls.way, &[range]) {
-            Some(way) => {
-                let is_picked = self.compare(IntCC::Equal, way, 2);
-                self.bail_if(is_picked);
-                way
-            }
-            None => self.number(I8, 0),
-        };
         // other code binds all variables twice: to count the candidates, and to find one
         self.counts_bindings(spans);
         let bits = self.candidate_bits(spans, guard);
-        let (some, ask, known, none) = (self.block(), self.block(), self.block(), self.block());
-        let chosen = self.builder.append_block_param(known, I64);
-        self.branch(bits, some, none);
-        self.begin(some);
-        let first = self.number(I64, 0);
-        self.builder
-            .ins()
-            .brif(takes_first, known, &[first.into()], ask, &[]);
-        self.begin(ask);
+        let (some, none) = (self.block(), self.block());
+        let range = self.number(I32, i64::from(range.0));
         let count = self.builder.ins().popcnt(bits);
         let origin = self.number(I32, i64::from(origin.0));
-        if let Some(chosen) = self.call(self.calls.choose, &[count, origin]) {
-            self.jump_with(known, chosen);
-        }
-        self.begin(known);
+        let chosen = match self.call(self.calls.decide, &[range, count, origin]) {
+            Some(chosen) => chosen,
+            None => self.number(I64, 0),
+        };
+        let is_picked = self.compare(IntCC::Equal, chosen, PICKED as i64);
+        self.bail_if(is_picked);
+        self.branch(bits, some, none);
+        self.begin(some);
         let index = self.bit_of_number(bits, chosen);
         // within the range even if the host were wrong
         let last = self.number(I64, total(spans).saturating_sub(1) as i64);
@@ -238,7 +228,8 @@ impl Emitter<'_> {
         let bits = self.builder.declare_var(I64);
         let none = self.number(I64, 0);
         self.builder.def_var(bits, none);
-        self.each(spans, Counting::Bounded, &mut |this, next| {
+        let parts = PartCount::of_guard(self.program, guard);
+        self.each(spans, Counting::Bounded, Some(parts), &mut |this, next| {
             this.range_guarded(guard, false, spans, next);
             let index = this.innermost_index();
             let one = this.number(I64, 1);

@@ -3,6 +3,7 @@
 use crate::atoms::AtomRange;
 use crate::detour::Detour;
 use crate::direct_code::DirectCode;
+use crate::direct_frame;
 use crate::frame::{at, out, pack_call_position};
 use crate::limits::MAX_RULES;
 use asmotion_ir::{BodyId, IntegerInterval, Local, Program, RoutineId, Rule, Term, ValueKind};
@@ -48,6 +49,12 @@ impl NativeInt {
             root: (value, 0),
             is_proven: true,
         }
+    }
+
+    /// Returns the value if the program alone determines it.
+    pub fn constant(&self) -> Option<i64> {
+        let IntegerInterval { low, high } = self.interval;
+        (self.is_proven && low == high).then_some(low)
     }
 }
 
@@ -120,6 +127,8 @@ pub(crate) struct Calls {
     pub spill: HostFunction,
     pub way: HostFunction,
     pub choose: HostFunction,
+    /// Of a direct rule only.
+    pub decide: HostFunction,
     pub endless: HostFunction,
     pub open: HostFunction,
     pub apply: HostFunction,
@@ -211,6 +220,11 @@ fn calls(builder: &mut FunctionBuilder<'_>, convention: CallConv) -> Calls {
         spill: call(out::spill as *const () as usize, &[I32, I32, I64], None),
         way: call(out::way as *const () as usize, &[I32], Some(I8)),
         choose: call(out::choose as *const () as usize, &[I64, I32], Some(I64)),
+        decide: call(
+            direct_frame::decide as *const () as usize,
+            &[I32, I64, I32],
+            Some(I64),
+        ),
         endless: call(out::endless as *const () as usize, &[I32, I32, I64], None),
         open: call(out::open as *const () as usize, &[], None),
         apply: call(out::apply as *const () as usize, &[], Some(I8)),

@@ -34,6 +34,7 @@ mod switch;
 mod term;
 mod truth;
 mod unfold;
+mod unroll;
 mod value_facts;
 
 pub use compile::Cranelift;

@@ -1,5 +1,6 @@
 //! Locations with known slots or axes, accessed in place.
 
+use crate::atoms::AtomRange;
 use crate::emit::{Emitter, KnownValue, NativeInt, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::static_analysis::is_repeatable;
@@ -68,7 +69,7 @@ impl Emitter<'_> {
 
     pub fn fixed(&mut self, function: FunctionId, slot: Slot) -> Located {
         Located {
-            pointer: self.field(I64, at::SLOTS),
+            pointer: self.slots(),
             offset: (i64::from(slot) * at::VALUE_SIZE) as i32,
             index: None,
             base: slot.into(),
@@ -103,13 +104,13 @@ impl Emitter<'_> {
         else {
             return None;
         };
-        let mut index = None;
+        let mut index: Option<Ssa> = None;
         let mut constant = i64::from(base);
         for (axis, argument) in axes.iter().zip(arguments) {
             let (along, offset) = match axis.over {
                 AxisRange::Bool => {
                     let truth = self.truth(argument);
-                    (self.builder.ins().uextend(I64, truth), 0)
+                    (Some(self.builder.ins().uextend(I64, truth)), 0)
                 }
                 AxisRange::Ints { low, count } => {
                     let number = self.integer(argument);
@@ -117,6 +118,13 @@ impl Emitter<'_> {
                 }
                 AxisRange::Atoms { first, count } => {
                     let atom = self.atom(argument);
+                    if let Some(AtomRange::Atoms(only, 1)) = atom.among
+                        && let Some(offset) = only.checked_sub(first)
+                        && offset < count
+                    {
+                        constant += i64::from(offset) * i64::from(axis.stride);
+                        continue;
+                    }
                     let along = self.builder.ins().iadd_imm_s(atom.value, -i64::from(first));
                     let inside = atom
                         .among
@@ -124,24 +132,27 @@ impl Emitter<'_> {
                     if !inside {
                         self.bail_outside(along, count);
                     }
-                    (self.builder.ins().uextend(I64, along), 0)
+                    (Some(self.builder.ins().uextend(I64, along)), 0)
                 }
             };
             constant += offset * i64::from(axis.stride);
+            let Some(along) = along else {
+                continue;
+            };
             let step = match axis.stride {
                 1 => along,
-                stride => self.builder.ins().imul_imm_s(along, i64::from(stride)),
+                stride => self.scaled(along, i64::from(stride)),
             };
             index = Some(match index {
                 None => step,
                 Some(sum) => self.builder.ins().iadd(sum, step),
             });
         }
-        let slots = self.field(I64, at::SLOTS);
+        let slots = self.slots();
         let pointer = match index {
             None => slots,
             Some(index) => {
-                let bytes = self.builder.ins().imul_imm_s(index, at::VALUE_SIZE);
+                let bytes = self.scaled(index, at::VALUE_SIZE);
                 self.builder.ins().iadd(slots, bytes)
             }
         };
@@ -157,23 +168,45 @@ impl Emitter<'_> {
         })
     }
 
-    /// Returns the position of a number on an axis as a sum of a value and a constant.
-    fn axis_offset(&mut self, number: NativeInt, low: i64, count: u32) -> (Ssa, i64) {
+    /// Returns the address of the slots.
+    fn slots(&mut self) -> Ssa {
+        match &self.direct {
+            Some(direct) => direct.slots,
+            None => self.field(I64, at::SLOTS),
+        }
+    }
+
+    /// Generates the product of a number and a size in bytes or a stride.
+    pub fn scaled(&mut self, number: Ssa, size: i64) -> Ssa {
+        match size {
+            1.. if size.count_ones() == 1 => {
+                let bits = i64::from(size.trailing_zeros());
+                self.builder.ins().ishl_imm_u(number, bits)
+            }
+            _ => self.builder.ins().imul_imm_s(number, size),
+        }
+    }
+
+    /// Returns the position of a number on an axis as a sum of a value, if it is not constant, and a constant.
+    fn axis_offset(&mut self, number: NativeInt, low: i64, count: u32) -> (Option<Ssa>, i64) {
         let high = low.saturating_add(i64::from(count) - 1);
+        if let Some(constant) = number.constant().filter(|it| (low..=high).contains(it)) {
+            return (None, constant - low);
+        }
         let (root, offset) = number.root;
         if number.is_proven
             && number.interval.within(low, high)
             && let Some(offset) = offset.checked_sub(low)
             && i32::try_from(offset).is_ok()
         {
-            return (root, offset);
+            return (Some(root), offset);
         }
         let along = self
             .builder
             .ins()
             .iadd_imm_s(number.value, low.wrapping_neg());
         self.bail_outside(along, count);
-        (along, 0)
+        (Some(along), 0)
     }
 
     fn bail_outside(&mut self, along: Ssa, count: u32) {
@@ -408,7 +441,7 @@ impl Emitter<'_> {
 
     pub fn mark(&mut self, slot: Ssa) -> Ssa {
         let marks = self.field(I64, at::MARKS);
-        let bytes = self.builder.ins().imul_imm_s(slot, at::MARK_SIZE);
+        let bytes = self.scaled(slot, at::MARK_SIZE);
         self.builder.ins().iadd(marks, bytes)
     }
 

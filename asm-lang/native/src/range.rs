@@ -5,6 +5,7 @@ use crate::bound_range::{BoundRange, Counting, total};
 use crate::emit::{AtomCode, Emitter, KnownValue, Loops, NativeInt, Ssa};
 use crate::range_guard::RangeGuard;
 use crate::static_analysis::{StaticRange, rule_counts};
+use crate::unroll::PartCount;
 use asmotion_ir::{Binder, IntegerInterval, Origin, Rule, Term};
 use asmotion_machine::back_end::MAX_BINDINGS;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -34,7 +35,8 @@ impl Emitter<'_> {
             if let Some(residue) = this.residue_guard(&spans, &guard) {
                 return this.each_of_residue(&spans, &residue, &mut |this| this.rule(body));
             }
-            this.each(&spans, counting, &mut |this, next| {
+            let parts = PartCount::of_guard(this.program, &guard).with_rule(this.program, body);
+            this.each(&spans, counting, Some(parts), &mut |this, next| {
                 this.range_guarded(&guard, true, &spans, next);
                 if guard.is_always() {
                     this.rule(body);
@@ -88,7 +90,7 @@ impl Emitter<'_> {
             let none = this.number(I64, 0);
             this.builder.def_var(seen, none);
             let counts = !guard.is_answered();
-            this.each(&spans, counting, &mut |this, next| {
+            this.each(&spans, counting, None, &mut |this, next| {
                 this.range_guarded(&guard, counts, &spans, next);
                 let (skip, found) = (this.block(), this.block());
                 let so_far = this.builder.use_var(seen);
@@ -141,7 +143,7 @@ impl Emitter<'_> {
         let count = self.builder.declare_var(I64);
         self.builder.def_var(count, none);
         let counts = !guard.is_answered();
-        self.each(spans, counting, &mut |this, next| {
+        self.each(spans, counting, None, &mut |this, next| {
             this.range_guarded(guard, counts, spans, next);
             let so_far = this.builder.use_var(count);
             let one_more = this.builder.ins().iadd_imm_s(so_far, 1);
@@ -171,11 +173,12 @@ impl Emitter<'_> {
     }
 
     /// Generates nested loops over all variables. `body` gets the block of the next iteration, and
-    /// must end with a jump to it or elsewhere.
+    /// must end with a jump to it or elsewhere. Short loops are unrolled if the size of an iteration is given.
     pub fn each(
         &mut self,
         spans: &[BoundRange],
         counting: Counting,
+        parts: Option<PartCount>,
         body: &mut dyn FnMut(&mut Self, Block),
     ) {
         let counting = if self.counts_bindings(spans) {
@@ -197,7 +200,11 @@ impl Emitter<'_> {
             before,
             rounds: Vec::new(),
         });
-        self.round(spans, counting, body);
+        if parts.is_some_and(|parts| self.is_unrolled(spans, counting, parts)) {
+            self.unrolled(spans, body);
+        } else {
+            self.round(spans, counting, body);
+        }
         self.loops.pop();
         if let Some(before) = before {
             let after = self.builder.ins().iadd_imm_s(before, total(spans) as i64);

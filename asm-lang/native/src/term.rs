@@ -188,16 +188,24 @@ impl Emitter<'_> {
     ) -> NativeInt {
         let (interval, overflows) =
             IntegerInterval::computed(operation, left.interval, right.interval);
+        let fails = match operation {
+            Arithmetic::Mod => right.interval.low <= 0,
+            Arithmetic::Plus | Arithmetic::Minus | Arithmetic::Mult => overflows,
+        };
+        let constant = NativeInt {
+            is_proven: left.is_proven && right.is_proven,
+            ..NativeInt::new(left.value, interval)
+        };
+        if let (false, Some(constant)) = (fails, constant.constant()) {
+            let value = self.number(I64, constant);
+            return NativeInt::new(value, interval);
+        }
         let (a, b) = (left.value, right.value);
         let value = match (operation, overflows) {
             (Arithmetic::Plus, false) => self.builder.ins().iadd(a, b),
             (Arithmetic::Minus, false) => self.builder.ins().isub(a, b),
             (Arithmetic::Mult, false) => self.builder.ins().imul(a, b),
-            (Arithmetic::Plus, true) => {
-                let (value, over) = self.builder.ins().sadd_overflow(a, b);
-                self.bail_if(over);
-                value
-            }
+            (Arithmetic::Plus, true) => self.checked_sum(left, right),
             (Arithmetic::Minus, true) => {
                 let (value, over) = self.builder.ins().ssub_overflow(a, b);
                 self.bail_if(over);
@@ -230,6 +238,30 @@ impl Emitter<'_> {
         int
     }
 
+    /// Generates a sum; leaves for the detour if it exceeds 64 bits.
+    fn checked_sum(&mut self, left: NativeInt, right: NativeInt) -> crate::emit::Ssa {
+        let (summand, constant) = match (left.constant(), right.constant()) {
+            (_, Some(constant)) => (left.value, constant),
+            (Some(constant), None) => (right.value, constant),
+            (None, None) => {
+                let ins = self.builder.ins();
+                let (value, over) = ins.sadd_overflow(left.value, right.value);
+                self.bail_if(over);
+                return value;
+            }
+        };
+        // a comparison takes fewer instructions than the overflow flag
+        let value = self.builder.ins().iadd_imm_s(summand, constant);
+        let beyond = if constant < 0 {
+            IntCC::SignedGreaterThan
+        } else {
+            IntCC::SignedLessThan
+        };
+        let over = self.builder.ins().icmp(beyond, value, summand);
+        self.bail_if(over);
+        value
+    }
+
     /// Generates code for the remainder, which has the sign of the dividend.
     fn modulo(&mut self, left: NativeInt, right: NativeInt) -> crate::emit::Ssa {
         let (a, b) = (left.value, right.value);
@@ -244,10 +276,9 @@ impl Emitter<'_> {
                     .icmp(IntCC::SignedGreaterThanOrEqual, a, b);
                 return self.builder.ins().select(enough, less, a);
             }
-            return if left.interval.low >= 0 {
-                self.builder.ins().urem(a, b)
-            } else {
-                self.builder.ins().srem(a, b)
+            return match left.interval.low {
+                0.. => self.natural_remainder(left, divisor.low),
+                _ => self.builder.ins().srem(a, b),
             };
         }
         if divisor.low <= 0 {
@@ -271,5 +302,88 @@ impl Emitter<'_> {
         self.jump_with(done, rest);
         self.begin(done);
         result
+    }
+
+    /// Generates the remainder of a natural number and a positive constant, without a division if the number is small enough.
+    fn natural_remainder(&mut self, dividend: NativeInt, divisor: i64) -> crate::emit::Ssa {
+        let number = dividend.value;
+        if divisor.count_ones() == 1 {
+            return self.builder.ins().band_imm_s(number, divisor - 1);
+        }
+        let Some((factor, shift)) = reciprocal(dividend.interval.high, divisor) else {
+            let divisor = self.number(I64, divisor);
+            return self.builder.ins().urem(number, divisor);
+        };
+        let quotient = self.builder.ins().imul_imm_s(number, factor);
+        let quotient = self.builder.ins().ushr_imm_u(quotient, i64::from(shift));
+        let multiple = self.builder.ins().imul_imm_s(quotient, divisor);
+        self.builder.ins().isub(number, multiple)
+    }
+}
+
+/// Returns a factor and a number of bits so that, for each number from 0 to `highest`, the product with the factor, of 64 bits,
+/// shifted right by the bits is the quotient by a positive divisor.
+///
+/// With factor `(2ˢ + e) / d`, the product of *a* exceeds `2ˢ · a / d` by `a · e / d`, which does not reach the next multiple of
+/// 2ˢ if `a · e < 2ˢ`.
+fn reciprocal(highest: i64, divisor: i64) -> Option<(i64, u32)> {
+    let (highest, divisor) = (u128::try_from(highest).ok()?, u128::try_from(divisor).ok()?);
+    (1..63).find_map(|shift| {
+        let power = 1u128 << shift;
+        let factor = power / divisor + 1;
+        let excess = factor * divisor - power;
+        let is_exact = highest * excess < power && highest * factor < 1 << 64;
+        let factor = i64::try_from(factor).ok().filter(|_| is_exact)?;
+        Some((factor, shift))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::reciprocal;
+
+    #[test]
+    fn a_reciprocal_gives_the_quotient_of_each_number() {
+        let highest = [1, 6, 7, 100, 1009, 65_535, 1 << 20, 1 << 31, (1 << 40) + 3];
+        let divisors = [
+            1,
+            3,
+            5,
+            6,
+            7,
+            11,
+            100,
+            1000,
+            1009,
+            134_456,
+            1_000_003,
+            1 << 33,
+        ];
+        let mut found = 0;
+        for highest in highest {
+            for divisor in divisors {
+                let Some((factor, shift)) = reciprocal(highest, divisor) else {
+                    continue;
+                };
+                found += 1;
+                // the quotient changes at multiples only
+                let step = (highest / divisor / 1000).max(1);
+                let multiples = (0..=highest / divisor).step_by(step as usize);
+                let near = multiples.flat_map(|it| [it * divisor, it * divisor - 1]);
+                for number in near
+                    .chain([highest])
+                    .filter(|it| (0..=highest).contains(it))
+                {
+                    let product = (number as u64).checked_mul(factor as u64);
+                    let quotient = product.map(|it| it >> shift);
+                    assert_eq!(
+                        quotient,
+                        Some((number / divisor) as u64),
+                        "{number} / {divisor}"
+                    );
+                }
+            }
+        }
+        assert!(found > 80, "{found}");
     }
 }

@@ -3,6 +3,7 @@
 use crate::bound_range::Counting;
 use crate::emit::{Emitter, KnownValue, Ssa};
 use crate::static_analysis::counts;
+use crate::unroll::PartCount;
 use asmotion_ir::{Binder, Comparison, Connective, Quantifier, Term, TermNode, ValueKind};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -181,7 +182,8 @@ impl Emitter<'_> {
         } else {
             Counting::Together
         };
-        self.each(&spans, counting, &mut |this, next| {
+        let parts = PartCount::of_term(self.program, guard);
+        self.each(&spans, counting, Some(parts), &mut |this, next| {
             let found = this.block();
             if this.is_truth(guard) {
                 match quantifier {

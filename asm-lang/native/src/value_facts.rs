@@ -2,7 +2,7 @@
 //!
 //! The facts hold in a given state, and every step preserves them: they are the least fixpoint, over all rules, of the values
 //! in that state and the values of all updates, with bounds that still grow after some rounds widened to those of the
-//! codomain. A machine checks them again whenever its state was changed other than by a step. Memory safety does not
+//! codomain, and narrowed again to those of the updates. A machine checks them again whenever its state was changed other than by a step. Memory safety does not
 //! depend on them.
 
 use asmotion_ir::{
@@ -13,6 +13,9 @@ use asmotion_value::Value;
 
 /// Number of rounds before bounds are widened.
 const ROUNDS: usize = 8;
+
+/// Number of rounds that narrow widened bounds.
+const NARROWING_ROUNDS: usize = 2;
 
 /// Limit for the nesting of definitions that are evaluated.
 const MAX_DEPTH: usize = 8;
@@ -172,26 +175,10 @@ impl ValueFacts {
             found: found.facts.clone(),
         };
         initially.lazy();
-        found.facts = initially.found;
-        let mut round = 0;
-        loop {
-            let mut next = Evaluation {
-                program,
-                facts: &found.facts,
-                found: found.facts.clone(),
-            };
-            next.all();
-            let next = next.found;
-            if next == found.facts {
-                return found;
-            }
-            found.facts = if round < ROUNDS {
-                next
-            } else {
-                widened(program, &found.facts, &next)
-            };
-            round += 1;
-        }
+        let initial = initially.found;
+        let preserved = preserved(program, initial.clone());
+        found.facts = narrowed(program, &initial, preserved);
+        found
     }
 
     /// Returns the fact about a function.
@@ -208,6 +195,49 @@ impl ValueFacts {
             slots.is_some_and(|slots| slots.iter().all(|value| fact.permits(value)))
         })
     }
+}
+
+/// Returns these facts with the values of all updates in states for which other facts hold.
+fn updated(program: &Program, in_state: &[ValueFact], facts: Vec<ValueFact>) -> Vec<ValueFact> {
+    let mut next = Evaluation {
+        program,
+        facts: in_state,
+        found: facts,
+    };
+    next.all();
+    next.found
+}
+
+/// Returns facts that follow from the initial ones and that every step preserves.
+fn preserved(program: &Program, initial: Vec<ValueFact>) -> Vec<ValueFact> {
+    let mut facts = initial;
+    for round in 0.. {
+        let next = updated(program, &facts, facts.clone());
+        if next == facts {
+            break;
+        }
+        facts = if round < ROUNDS {
+            next
+        } else {
+            widened(program, &facts, &next)
+        };
+    }
+    facts
+}
+
+/// Narrows facts that every step preserves to the initial ones with the values of all updates. `x := (x + 1) mod 9` is bounded
+/// although `x + 1` is not.
+fn narrowed(program: &Program, initial: &[ValueFact], preserved: Vec<ValueFact>) -> Vec<ValueFact> {
+    let mut facts = preserved;
+    for _ in 0..NARROWING_ROUNDS {
+        let next = updated(program, &facts, initial.to_vec());
+        let is_preserved = || updated(program, &next, next.clone()) == next;
+        if next == facts || !is_preserved() {
+            break;
+        }
+        facts = next;
+    }
+    facts
 }
 
 /// Widens the bounds that have changed, to those of the codomain if it has any.
