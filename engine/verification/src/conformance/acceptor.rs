@@ -1,10 +1,11 @@
 //! A protocol as an acceptor: follows all runs of the protocol that fit what was observed.
 
+mod message_values;
+mod possible;
+
 use super::choices::ChoiceSequence;
-use super::events::{
-    EventSuccession, PossibleEvents, PrecedingEvent, SentEvent, after_step, successions,
-};
-use super::observed::{MessageEnd, ObservedCycle, ObservedMessage, ProtocolDeviation};
+use super::events::{EventSuccession, PrecedingEvent, SentEvent, after_step, successions};
+use super::observed::{MessageEnd, ObservedCycle, ProtocolDeviation};
 use crate::actor::{ActorInput, ActorOutput, Echo, InputOrigin, OutputEffect, read};
 use crate::error::ModelError;
 use crate::protocol::{ComponentNames, ends};
@@ -12,9 +13,7 @@ use asmotion_coordinator::Receive;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::{Loader, Sources};
 use asmotion_lang::ir::FunctionId;
-use asmotion_lang::value::Atom;
 use asmotion_lang::{Environment, Machine, Specification, Value};
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Decides whether a protocol allows what a component does.
@@ -71,9 +70,6 @@ impl Environment for StepInputs<'_> {
     }
 }
 
-/// Limit for the steps that look for the events of a protocol.
-const MAX_STEPS: usize = 1 << 20;
-
 impl ProtocolAcceptor {
     /// Reads the protocol of a component.
     ///
@@ -88,26 +84,7 @@ impl ProtocolAcceptor {
         let mut sources = Sources::new();
         let files = read(path, loader, &mut sources, None)?;
         let found = ends(component, names, &files)?;
-        let specification = asmotion_lang::open(path, loader);
-        let specification = specification.map_err(|failure| ModelError::Specification {
-            sources: Box::new(failure.sources),
-            report: failure.report,
-        })?;
-        let failed = |fault: Box<asmotion_lang::StepFault>| {
-            let mut report = asmotion_diagnostics::Report::new();
-            report.push(specification.explain(&fault));
-            report
-        };
-        let machine = specification.machine().map_err(failed);
-        let mut machine = match machine {
-            Ok(machine) => machine,
-            Err(report) => {
-                return Err(ModelError::Specification {
-                    sources: Box::new(specification.sources),
-                    report,
-                });
-            }
-        };
+        let (specification, mut machine) = opened(path, loader)?;
         machine.keep_candidates();
         let function = |name: &str| specification.function(name, 0);
         let inputs = found.inputs.iter().filter_map(|input| {
@@ -165,75 +142,6 @@ impl ProtocolAcceptor {
         self.states.len()
     }
 
-    /// Returns the events that the protocol can send, whatever it receives; `None` if it has too many states to find out.
-    pub fn possible_events(&mut self) -> Option<PossibleEvents> {
-        let inputs = self.all_inputs();
-        let mut possible = PossibleEvents::default();
-        // states with the events before them
-        let start = (self.initial.clone(), BTreeSet::new());
-        let mut known = BTreeSet::from([start.clone()]);
-        let mut next = vec![start];
-        let mut steps: usize = 0;
-        while let Some((state, last)) = next.pop() {
-            for inputs in &inputs {
-                let last = self.with_arrivals(&last, inputs);
-                let mut choices = ChoiceSequence::default();
-                loop {
-                    steps += 1;
-                    if steps > MAX_STEPS {
-                        return None;
-                    }
-                    self.enter(&state);
-                    let stepped = self.machine.step(&mut StepInputs(inputs), &mut choices, 0);
-                    if stepped.is_ok() {
-                        let sent: BTreeSet<SentEvent> =
-                            self.events_of(self.sent()).into_iter().collect();
-                        possible.successions.extend(successions(&last, &sent));
-                        possible.events.extend(sent.iter().cloned());
-                        self.forget_sent();
-                        let mut packed = Vec::new();
-                        self.machine.pack_state(&mut packed);
-                        let last = after_step(&last, sent);
-                        if known.insert((packed.clone(), last.clone())) {
-                            next.push((packed, last));
-                        }
-                    }
-                    if !choices.advance() {
-                        break;
-                    }
-                }
-            }
-        }
-        Some(possible)
-    }
-
-    /// All combinations of values of the inputs, undef included for those that need not have a value.
-    fn all_inputs(&self) -> Vec<BTreeMap<FunctionId, Value>> {
-        let mut all = vec![BTreeMap::new()];
-        for followed in &self.inputs {
-            let codomain = &followed.input.codomain;
-            let mut values = match &codomain.elements {
-                Some(elements) => {
-                    let elements = elements.iter();
-                    elements.filter_map(|it| self.atom(&it.name)).collect()
-                }
-                None => vec![Value::Bool(false), Value::Bool(true)],
-            };
-            if followed.input.receive != Receive::Edge {
-                values.push(Value::Undef);
-            }
-            let combined = all.iter().flat_map(|before: &BTreeMap<_, _>| {
-                values.iter().map(|value| {
-                    let mut inputs = before.clone();
-                    inputs.insert(followed.function, value.clone());
-                    inputs
-                })
-            });
-            all = combined.collect();
-        }
-        all
-    }
-
     /// The last messages before the events of a step with these inputs.
     fn with_arrivals(
         &self,
@@ -251,17 +159,6 @@ impl ProtocolAcceptor {
         } else {
             arrived
         }
-    }
-
-    fn events_of(&self, sent: BTreeMap<FunctionId, Value>) -> Vec<SentEvent> {
-        let naming = self.machine.naming();
-        let events = self.outputs.iter().filter_map(|it| {
-            Some(SentEvent {
-                function: it.output.location.clone(),
-                value: sent.get(&it.function)?.show(&naming).to_string(),
-            })
-        });
-        events.collect()
     }
 
     /// Follows a cycle of the component, and returns the events that it sent.
@@ -425,126 +322,25 @@ impl ProtocolAcceptor {
         }
         events
     }
+}
 
-    // ---- from messages to values ---------------------------------------------------------------
-
-    /// Messages of the component, as values of the out functions.
-    fn expected(
-        &self,
-        sent: &[ObservedMessage],
-    ) -> Result<BTreeMap<FunctionId, Vec<ExpectedValue>>, ProtocolDeviation> {
-        let mut expected: BTreeMap<FunctionId, Vec<ExpectedValue>> = BTreeMap::new();
-        for output in &self.outputs {
-            for message in sent.iter().filter(|it| it.end == output.end) {
-                let part = part(&message.content, output.field.as_deref());
-                let value = self.value(&output.output.codomain, part.as_deref());
-                let value = match value {
-                    Some(value) => ExpectedValue::Value(value),
-                    None if output.output.codomain.is_boolean() => ExpectedValue::Any,
-                    None => {
-                        let function = &output.output.location;
-                        return Err(self.unknown(message, function, part.as_deref()));
-                    }
-                };
-                expected.entry(output.function).or_default().push(value);
-            }
+/// Opens a specification as a machine in its initial state.
+fn opened(path: &str, loader: &dyn Loader) -> Result<(Specification, Machine), ModelError> {
+    let specification = asmotion_lang::open(path, loader);
+    let specification = specification.map_err(|failure| ModelError::Specification {
+        sources: Box::new(failure.sources),
+        report: failure.report,
+    })?;
+    match specification.machine() {
+        Ok(machine) => Ok((specification, machine)),
+        Err(fault) => {
+            let mut report = asmotion_diagnostics::Report::new();
+            report.push(specification.explain(&fault));
+            Err(ModelError::Specification {
+                sources: Box::new(specification.sources),
+                report,
+            })
         }
-        Ok(expected)
-    }
-
-    /// The values of the inputs in a step.
-    fn input_values(
-        &self,
-        received: &[ObservedMessage],
-    ) -> Result<BTreeMap<FunctionId, Value>, ProtocolDeviation> {
-        let mut values = BTreeMap::new();
-        for followed in &self.inputs {
-            let input = &followed.input;
-            let arrived = received.iter().rfind(|it| it.end == followed.end);
-            let message = if input.receive != Receive::Last || followed.is_of_arrival {
-                arrived.map(|it| &it.content)
-            } else {
-                self.newest.get(&followed.end)
-            };
-            let value = match (input.receive, message) {
-                (Receive::Edge, message) => Value::Bool(message.is_some()),
-                (Receive::Last | Receive::All, None) => Value::Undef,
-                (Receive::Last | Receive::All, Some(content)) => {
-                    let part = part(content, input.field.as_deref());
-                    let found = self.value(&input.codomain, part.as_deref());
-                    match found {
-                        Some(value) => value,
-                        None => {
-                            let message = ObservedMessage {
-                                end: followed.end.clone(),
-                                content: content.clone(),
-                            };
-                            return Err(self.unknown(&message, &input.location, part.as_deref()));
-                        }
-                    }
-                }
-            };
-            values.insert(followed.function, value);
-        }
-        Ok(values)
-    }
-
-    /// The value of a codomain that a part of a message stands for; of a list, whether it has elements.
-    fn value(&self, codomain: &crate::actor::Codomain, part: Option<&Datum>) -> Option<Value> {
-        let part = part?;
-        if codomain.is_boolean() {
-            let truth = part
-                .as_bool()
-                .or_else(|| part.count().map(|count| count > 0));
-            return truth.map(Value::Bool);
-        }
-        self.atom(&codomain.named(part.as_text()?)?.name)
-    }
-
-    fn atom(&self, name: &str) -> Option<Value> {
-        let atoms = &self.specification.program.symbols.atoms;
-        let at = atoms.iter().position(|it| **it == *name)?;
-        Some(Value::Atom(Atom(u32::try_from(at).ok()?)))
-    }
-
-    fn unknown(
-        &self,
-        message: &ObservedMessage,
-        function: &str,
-        part: Option<&Datum>,
-    ) -> ProtocolDeviation {
-        ProtocolDeviation::UnknownValue {
-            cycle: self.cycle,
-            end: message.end.clone(),
-            function: function.to_owned(),
-            value: part.map_or_else(|| "no value".to_owned(), shown),
-        }
-    }
-
-    /// Checks that messages repeat what they promise.
-    fn check_echoes(&self, sent: &[ObservedMessage]) -> Result<(), ProtocolDeviation> {
-        for echo in &self.echoes {
-            let (output, input) = (
-                MessageEnd::Port(echo.output.clone()),
-                MessageEnd::Port(echo.input.clone()),
-            );
-            let newest = self.newest.get(&input);
-            let promised = newest.and_then(|it| it.get(&echo.input_field));
-            for message in sent.iter().filter(|it| it.end == output) {
-                let repeated = message.content.get(&echo.field);
-                if promised.is_none() || repeated != promised {
-                    return Err(ProtocolDeviation::NoEcho {
-                        cycle: self.cycle,
-                        output: format!("{}.{}", echo.output, echo.field),
-                        input: format!("{}.{}", echo.input, echo.input_field),
-                        sent: repeated.map_or_else(|| "no value".to_owned(), |it| shown(&it)),
-                        received: promised
-                            .map_or_else(|| "no message yet".to_owned(), |it| shown(&it)),
-                    });
-                }
-            }
-        }
-        Ok(())
     }
 }
 
@@ -593,20 +389,4 @@ fn output_end(effect: &OutputEffect) -> Option<(MessageEnd, Option<String>)> {
         } => Some((operation(service, name), None)),
         OutputEffect::Cases(_) => None,
     }
-}
-
-/// A field of a message, or the message; the only field of a message counts as the message.
-fn part<'a>(content: &'a Datum, field: Option<&str>) -> Option<Cow<'a, Datum>> {
-    match (field, content) {
-        (Some(field), content) => content.get(field),
-        (None, Datum::Record(fields)) => match fields.as_slice() {
-            [(_, only)] => Some(Cow::Borrowed(only)),
-            _ => None,
-        },
-        (None, content) => Some(Cow::Borrowed(content)),
-    }
-}
-
-fn shown(datum: &Datum) -> String {
-    format!("{datum:?}")
 }
