@@ -116,7 +116,11 @@ pub fn first_conjunct(guard: &Term) -> (&Term, Option<Term>) {
     };
     let (first, rest) = first_conjunct(left);
     let rest = match rest {
-        None => right.clone(),
+        // undef as the value of a guard is a fault at the place of the whole guard
+        None => Term {
+            origin: guard.origin,
+            ..right.clone()
+        },
         Some(rest) => Term {
             node: Box::new(TermNode::Logic(Connective::And, rest, right.clone())),
             ..*guard

@@ -17,11 +17,14 @@ use crate::error::ModelError;
 use crate::glue::{Glue, sequence};
 use crate::network::{Senders, callers, writers};
 use crate::rename::label;
-use asmotion_plan::{End, Plan};
+use asmotion_plan::{End, InputQueue, Plan};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Number of messages that can wait for an input.
-pub(crate) const MAX_WAITING: usize = 2;
+/// Number of messages that can wait for an input with a queue of any size, or of none that is written.
+pub(crate) const MAX_WAITING: u64 = 2;
+
+/// Greatest size of a queue that is modelled as it is.
+const MAX_EXACT_QUEUE: u64 = 8;
 
 /// Writes the environment of the first of several actors.
 pub(crate) struct EnvironmentWriter<'a> {
@@ -106,6 +109,28 @@ impl<'a> EnvironmentWriter<'a> {
             actors.any(|it| it.component == end.component && it.covers(&end.name))
         };
         senders.outside || senders.ends.iter().any(|end| !is_actor(end))
+    }
+
+    /// Returns the queue in which messages wait for an input of a specification. One that is too large for the model is cut off,
+    /// which is noted as an assumption.
+    pub(super) fn queue(&mut self, receiver: &Actor, input: &ActorInput) -> InputQueue {
+        let port = match (&input.origin, receiver.is_protocol) {
+            (InputOrigin::Port(port), false) => Some(End {
+                component: receiver.component.clone(),
+                name: port.clone(),
+            }),
+            (_, _) => None,
+        };
+        let written = port.and_then(|port| self.plan.input_queue(&port));
+        if let Some(queue) = written.filter(|it| it.size <= MAX_EXACT_QUEUE) {
+            return queue;
+        }
+        self.notes
+            .insert(format!("at most {MAX_WAITING} messages wait for an input"));
+        InputQueue {
+            size: MAX_WAITING,
+            is_circular: false,
+        }
     }
 
     /// Returns `true` if the environment sets an input of the verified specification; otherwise it has any value.

@@ -4,7 +4,7 @@ use crate::actor::{Actor, read};
 use crate::bound::BindingReader;
 use crate::context::ModelContext;
 use crate::currency::Currency;
-use crate::environment::{EnvironmentWriter, MAX_WAITING, senders};
+use crate::environment::{EnvironmentWriter, senders};
 use crate::error::ModelError;
 use crate::glue::Glue;
 use crate::merge::merge;
@@ -167,9 +167,6 @@ pub fn component_model(
     }
     let independent: Vec<String> = open.intersection(&independent).cloned().collect();
     open.retain(|it| !independent.contains(it));
-    if glue.text("").contains("waiting_") {
-        notes.insert(format!("at most {MAX_WAITING} messages wait for an input"));
-    }
     if uses_time {
         notes.insert("a timer of TimeLibrary may have expired in any step".to_owned());
     }

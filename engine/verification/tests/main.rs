@@ -11,5 +11,6 @@ mod composites;
 mod conformance;
 mod disorder;
 mod mutants;
+mod queues;
 mod scenarios;
 mod support;

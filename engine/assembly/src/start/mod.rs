@@ -11,13 +11,13 @@ mod workshop;
 use std::time::Duration;
 
 use asmotion_component::declaration::Declaration;
-use asmotion_component::{BufferKind, Component, Interface, Policy, PropertyError, Wire};
+use asmotion_component::{Component, Interface, Policy, PropertyError, Wire};
 use asmotion_coordinator::{Monitored, Receive, Source};
 use asmotion_network::{Network, port_topic};
 use asmotion_runtime::{BuildError, ComponentId, System};
 
 use asmotion_composite::model::{self, Transport};
-use asmotion_plan::{Part, Plan, Terminal, robot_address};
+use asmotion_plan::{InputQueue, Part, Plan, Terminal, robot_address};
 
 pub(crate) use activity::of as activity;
 pub(crate) use coordinator::texts as specification_texts;
@@ -383,24 +383,16 @@ pub(crate) fn subscription_policy(
     port: &str,
     topic: &str,
 ) -> Policy {
-    let writers = plan.connections.iter();
-    let mut writers = writers
-        .filter(|it| matches!(&it.to, Terminal::Topic(name) if name == topic))
-        .map(|connection| policy::of(connection).kind)
-        .peekable();
-    let has_writers = writers.peek().is_some();
-    let (mut size, mut is_circular) = (0_usize, false);
-    for kind in writers {
-        is_circular |= matches!(kind, BufferKind::Circular(_));
-        if kind == BufferKind::Data {
-            return Policy::circular(default_size(component, port));
+    match plan.topic_queue(topic) {
+        None => Policy::circular(default_size(component, port)),
+        Some(InputQueue { size, is_circular }) => {
+            let size = usize::try_from(size).unwrap_or(usize::MAX);
+            if is_circular {
+                Policy::circular(size)
+            } else {
+                Policy::buffer(size)
+            }
         }
-        size = size.saturating_add(kind.size());
-    }
-    match (has_writers, is_circular) {
-        (false, _) => Policy::circular(default_size(component, port)),
-        (true, true) => Policy::circular(size),
-        (true, false) => Policy::buffer(size),
     }
 }
 

@@ -234,6 +234,20 @@ pub(super) fn has_queue(actor: &Actor, output: &ActorOutput) -> bool {
     calls.iter().any(|it| queue_of(actor, it.call).is_some())
 }
 
+/// Rules for a queue of the verified specification whose oldest message was dropped: one message less is ahead of an outcome.
+pub(super) fn shifted(actor: &Actor, queue: &str) -> Vec<String> {
+    let shares = |output: &&ActorOutput| {
+        let calls = calls(actor, output).into_iter();
+        let mut queues = calls.filter_map(|it| queue_of(actor, it.call));
+        queues.any(|it| it == queue)
+    };
+    let outputs = actor.outputs.iter().filter(shares);
+    let ahead = outputs.map(|output| format!("ahead_{}", call_state(actor, output)));
+    ahead
+        .map(|ahead| format!("if {ahead} > 0 then {ahead} := {ahead} - 1 endif"))
+        .collect()
+}
+
 /// Rules for queues that have been emptied: no message is ahead of an outcome any more.
 pub(super) fn emptied(actor: &Actor, forgotten: &[String]) -> Vec<String> {
     let mut rules = Vec::new();

@@ -1,13 +1,13 @@
 //! Messages that an actor sends: the effects of its last step, and how messages reach inputs.
 
-use super::calls::{call_state, calls, emptied};
-use super::{EnvironmentWriter, MAX_WAITING};
+use super::EnvironmentWriter;
+use super::calls::{call_state, calls, emptied, shifted};
 use crate::actor::{Actor, ActorInput, ActorOutput, InputOrigin, OutputEffect, word};
 use crate::error::ModelError;
 use crate::glue::{parameters, sequence};
 use crate::message::{SentMessage, TakenValue};
 use asmotion_coordinator::{PublishWhen, Receive};
-use asmotion_plan::End;
+use asmotion_plan::{End, InputQueue};
 use std::collections::BTreeSet;
 
 impl EnvironmentWriter<'_> {
@@ -194,7 +194,7 @@ impl EnvironmentWriter<'_> {
 
     /// The rule that hands a message to an input; `None` if it cannot be for it.
     pub(super) fn deliver(
-        &self,
+        &mut self,
         to: usize,
         receiver: &Actor,
         input: &ActorInput,
@@ -219,9 +219,16 @@ impl EnvironmentWriter<'_> {
             Receive::Edge if needs_value => format!("if {value} then arrived_{word} := true endif"),
             Receive::Edge => format!("arrived_{word} := true"),
             Receive::Last => format!("{} := {value}", input.location),
-            Receive::All => format!(
-                "if length(waiting_{word}) < {MAX_WAITING} then waiting_{word} := append(waiting_{word}, {value}) endif"
-            ),
+            Receive::All => {
+                let waiting = format!("waiting_{word}");
+                let queue = self.queue(receiver, input);
+                let ahead = if to == 0 {
+                    shifted(receiver, &waiting)
+                } else {
+                    Vec::new()
+                };
+                queued(queue, &waiting, &value, ahead)
+            }
         };
         if misfits && needs_value {
             rule = format!("if isDef({value}) then {rule} endif");
@@ -256,4 +263,19 @@ impl EnvironmentWriter<'_> {
             input: input.location.clone(),
         })
     }
+}
+
+/// The rule that puts a value into a queue. If the queue is full, it drops the value, or the oldest one with further effects.
+fn queued(queue: InputQueue, waiting: &str, value: &str, dropped: Vec<String>) -> String {
+    let InputQueue { size, is_circular } = queue;
+    let otherwise = if is_circular {
+        let shift = format!("{waiting} := append(tail({waiting}), {value})");
+        let rules: Vec<String> = std::iter::once(shift).chain(dropped).collect();
+        format!("else par {} endpar ", rules.join(" "))
+    } else {
+        String::new()
+    };
+    format!(
+        "if length({waiting}) < {size} then {waiting} := append({waiting}, {value}) {otherwise}endif"
+    )
 }
