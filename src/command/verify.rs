@@ -296,6 +296,9 @@ impl Verify {
             if self.cone() && verification.left_out.is_empty() && !is_known {
                 show::without_cone(terminal);
             }
+            if self.independent() && !verification.has_left_out_steps {
+                show::without_independence(terminal);
+            }
             if self.advice {
                 show::advice(verification, terminal);
             }

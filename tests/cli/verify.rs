@@ -536,6 +536,52 @@ fn a_cone_says_which_locations_are_left_out_and_nothing_about_paths() {
 }
 
 #[test]
+fn independent_steps_are_executed_in_one_order() {
+    let text = "asm counters
+import StandardLibrary
+signature:
+  enum domain Agents = {A1 | A2 | A3}
+  domain Number subsetof Integer
+  controlled n: Agents -> Number
+  controlled rang: Boolean
+definitions:
+  domain Number = {0 : 4}
+  main rule r_Main = choose $a in Agents with n($a) < 4 do
+    par
+      n($a) := n($a) + 1
+      if $a = A3 and n($a) = 3 then rang := true endif
+    endpar
+default init s0:
+  function n($a in Agents) = 0
+  function rang = false
+";
+    let (_folder, path) = file("counters.asm", text);
+    let states = |arguments: &[&str]| {
+        let property = ["verify", &path, "--json", "--property", "rang or not rang"];
+        let (exit, out, err) = run(&[&property, arguments].concat());
+        assert_eq!((exit, err.as_str()), (0, ""), "{out}");
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        (
+            json["states"].as_u64().unwrap(),
+            json["has_left_out_steps"].clone(),
+        )
+    };
+    assert_eq!(states(&[]), (125, false.into()));
+    let (few, has_left_out) = states(&["--independent"]);
+    assert!(few < 30 && has_left_out == true, "{few}");
+    // the last state is stuck, which is shown by a run of all
+    let (exit, out, _) = run(&["verify", &path, "--independent"]);
+    assert!(
+        exit == 1
+            && out.contains("note `--independent` has no effect: ")
+            && out.contains("125 states"),
+        "{out}"
+    );
+    let (exit, _, err) = run(&["verify", &path, "--independent", "--symmetry"]);
+    assert!(exit == 2 && err.contains("without `--symmetry`"), "{err}");
+}
+
+#[test]
 fn symmetry_names_the_domains_and_says_when_it_has_no_effect() {
     let text = "asm workers
 import StandardLibrary

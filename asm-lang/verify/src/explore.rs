@@ -40,6 +40,8 @@ pub(crate) struct ExplorationOptions {
     pub cone: Option<BTreeSet<usize>>,
     /// `true` to explore one of several states that permutations of elements make of each other, where that makes no difference.
     pub symmetry: bool,
+    /// `true` to explore steps that do not influence each other in one order, where that makes no difference.
+    pub independent: bool,
 }
 
 /// The progress of an exploration.
@@ -201,6 +203,8 @@ pub(crate) struct Exploration {
     pub left_out: Vec<String>,
     /// Names of the domains whose elements were permuted.
     pub symmetric: Vec<String>,
+    /// `true` if steps were left out because they lead to the same states in another order.
+    pub has_left_out_steps: bool,
     /// Space for tables outside of memory, if there is one.
     pub spill: Option<Spill>,
     pub faults: Vec<FoundFault>,

@@ -4,6 +4,7 @@
 mod case;
 mod cases;
 mod command;
+mod independence;
 mod layout;
 mod machine_steps;
 mod run;

@@ -26,6 +26,10 @@ const MAX_PASSES: usize = 64;
 pub(crate) struct InputUse {
     /// The values that it is compared with, or more.
     pub compared: BTreeSet<Value>,
+    /// The inputs that it is compared with, of the same type.
+    pub related: BTreeSet<FunctionId>,
+    /// Number of its locations, if it is compared with an input.
+    pub locations: usize,
     /// The first place where its value is needed.
     pub escape: Option<Escape>,
     /// The first place where it is read.
@@ -92,11 +96,13 @@ impl EscapeUse {
     }
 }
 
-/// Analyses the use of inputs without a range.
+/// Analyses the use of inputs without a range. If inputs keep their values from one step to the next, they cannot be compared with
+/// each other: a value that an input keeps would have to stay apart from all values that the others get.
 pub(crate) fn input_uses(
     machine: &Machine,
     ranges: &InputRanges,
     inputs: &BTreeSet<FunctionId>,
+    are_kept: bool,
 ) -> BTreeMap<FunctionId, InputUse> {
     if inputs.is_empty() {
         return BTreeMap::new();
@@ -106,6 +112,7 @@ pub(crate) fn input_uses(
         program: machine.program(),
         ranges,
         inputs,
+        are_kept,
         points: BTreeMap::new(),
         reached: BTreeSet::new(),
         frame: Frame::Body(BodyId(0)),
@@ -202,6 +209,8 @@ struct InputFlow<'a> {
     ranges: &'a InputRanges,
     /// The inputs without a range.
     inputs: &'a BTreeSet<FunctionId>,
+    /// `true` if inputs can keep their values.
+    are_kept: bool,
     points: BTreeMap<Point, Denotation>,
     /// Code that is executed.
     reached: BTreeSet<Frame>,
@@ -421,19 +430,45 @@ impl InputFlow<'_> {
         origin: Origin,
     ) {
         for input in &inputs.inputs {
-            let usage = match (other.inputs.first(), &other.values) {
+            let stranger = other
+                .inputs
+                .iter()
+                .find(|it| !self.are_related(*input, **it));
+            let usage = match (stranger, &other.values) {
                 (Some(other), _) => EscapeUse::ComparedWithInput(*other),
                 (None, None) => EscapeUse::ComparedWithUnknown,
                 // the order of strings has no representatives
                 (None, Some(_)) if is_order && self.is_text(*input) => EscapeUse::Other,
                 (None, Some(values)) => {
+                    let locations = self.locations(*input).unwrap_or(1);
                     let found = self.uses.entry(*input).or_default();
                     found.compared.extend(values.iter().cloned());
+                    found.related.extend(&other.inputs);
+                    found.locations = locations;
                     continue;
                 }
             };
             self.escape(&Denotation::of_input(*input), origin, &usage);
         }
+    }
+
+    /// Returns `true` if inputs can be represented although they are compared with each other.
+    fn are_related(&self, input: FunctionId, other: FunctionId) -> bool {
+        let functions = &self.program.functions;
+        let codomain = |id: FunctionId| functions.get(id.0 as usize).map(|it| &it.codomain);
+        !self.are_kept
+            && codomain(input) == codomain(other)
+            && [input, other]
+                .into_iter()
+                .all(|it| self.locations(it).is_some())
+    }
+
+    /// Returns the number of a function's locations, if it has few.
+    fn locations(&self, function: FunctionId) -> Option<usize> {
+        let declared = self.program.functions.get(function.0 as usize)?;
+        let parameters = declared.parameters.iter();
+        let elements = parameters.map(|shape| Some(self.extent(shape).values?.len()));
+        elements.product()
     }
 
     fn is_text(&self, function: FunctionId) -> bool {

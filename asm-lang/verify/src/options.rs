@@ -88,6 +88,9 @@ pub struct Options {
     /// `true` to leave out locations that the properties in `only` do not depend on, if these are about single states: see
     /// [`Verification::left_out`](crate::Verification::left_out).
     pub cone: bool,
+    /// `true` to explore steps that do not influence each other in one order, if all properties are about single states: see
+    /// [`Verification::has_left_out_steps`](crate::Verification::has_left_out_steps).
+    pub independent: bool,
     /// The storage of states, if they are explored one by one.
     pub storage: Storage,
     /// Number of threads that explore states one by one; 0 counts as 1. The result does not depend on it.

@@ -6,7 +6,7 @@ use crate::inputs::{InputRanges, MAX_VALUES};
 use asmotion_lang::ir::{DomainElements, FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_lang::value::Real;
 use asmotion_lang::{Machine, Specification, Value};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 
 /// An input without a finite domain, of which a few values stand for all others.
@@ -33,7 +33,7 @@ pub struct Representative {
 const EXACT: i64 = 1 << 53;
 
 /// Gives ranges to the inputs of a machine whose values cannot be enumerated, but are only compared. `provided` are inputs that
-/// other machines provide.
+/// other machines provide, and `are_kept` is `true` if inputs can keep their values from one step to the next.
 ///
 /// # Errors
 /// The value of such an input is needed.
@@ -42,6 +42,7 @@ pub(crate) fn represent(
     machine: &Machine,
     specification: &Specification,
     provided: &BTreeSet<FunctionId>,
+    are_kept: bool,
     ranges: &mut InputRanges,
 ) -> Result<Vec<RepresentedInput>, InputWithoutRange> {
     let program = machine.program();
@@ -65,15 +66,17 @@ pub(crate) fn represent(
         }
     }
     let mut represented = Vec::new();
-    for (id, usage) in input_uses(machine, ranges, &inputs) {
+    let uses = input_uses(machine, ranges, &inputs, are_kept);
+    for (id, usage) in &uses {
+        let (id, group) = (*id, InputGroup::of(*id, &uses));
         let function = program.functions.get(id.0 as usize);
         let kind = function.and_then(|it| RegionKind::of(program, &it.codomain));
         let regions = match (&usage.escape, kind) {
-            (None, Some(kind)) => kind.regions(&usage.compared),
+            (None, Some(kind)) => kind.regions(&group.compared, group.locations),
             (Some(_), _) | (None, None) => None,
         };
         let Some(regions) = regions.filter(|it| it.len() <= MAX_VALUES) else {
-            return Err(refusal(machine, specification, id, &usage));
+            return Err(refusal(machine, specification, id, usage));
         };
         let naming = machine.naming();
         let values = regions.iter().map(|region| Representative {
@@ -88,6 +91,35 @@ pub(crate) fn represent(
         ranges.set(id, regions.into_iter().map(|it| it.value).collect());
     }
     Ok(represented)
+}
+
+/// Inputs that are compared with each other, directly or through others.
+struct InputGroup {
+    /// The values that they are compared with.
+    compared: BTreeSet<Value>,
+    /// Number of their locations: as many values can lie in a region in any order.
+    locations: usize,
+}
+
+impl InputGroup {
+    fn of(input: FunctionId, uses: &BTreeMap<FunctionId, InputUse>) -> Self {
+        let mut members = BTreeSet::from([input]);
+        let mut next = vec![input];
+        while let Some(member) = next.pop() {
+            let related = uses.get(&member).into_iter().flat_map(|it| &it.related);
+            next.extend(related.filter(|it| members.insert(**it)));
+        }
+        let of_members = || members.iter().filter_map(|it| uses.get(it));
+        let is_related = of_members().any(|it| !it.related.is_empty());
+        Self {
+            compared: of_members().flat_map(|it| it.compared.clone()).collect(),
+            locations: if is_related {
+                of_members().map(|it| it.locations).sum()
+            } else {
+                1
+            },
+        }
+    }
 }
 
 fn name(program: &Program, function: FunctionId) -> String {
@@ -158,17 +190,18 @@ impl RegionKind {
         }
     }
 
-    /// Returns the regions between these values in ascending order; `None` if there are none that can be told apart.
-    fn regions(self, compared: &BTreeSet<Value>) -> Option<Vec<Region>> {
+    /// Returns the regions between these values in ascending order, each with up to `several` values; `None` if there are none
+    /// that can be told apart.
+    fn regions(self, compared: &BTreeSet<Value>, several: usize) -> Option<Vec<Region>> {
         match self {
-            Self::Integers(low, high) => Some(integer_regions(compared, low, high)),
-            Self::Reals => real_regions(compared),
-            Self::Texts => Some(text_regions(compared)),
+            Self::Integers(low, high) => Some(integer_regions(compared, low, high, several)),
+            Self::Reals => real_regions(compared, several),
+            Self::Texts => Some(text_regions(compared, several)),
         }
     }
 }
 
-fn integer_regions(compared: &BTreeSet<Value>, low: i64, high: i64) -> Vec<Region> {
+fn integer_regions(compared: &BTreeSet<Value>, low: i64, high: i64, several: usize) -> Vec<Region> {
     let mut bounds = BTreeSet::new();
     for value in compared {
         if let Value::Int(number) = value {
@@ -184,12 +217,8 @@ fn integer_regions(compared: &BTreeSet<Value>, low: i64, high: i64) -> Vec<Regio
     let mut below = None;
     for bound in bounds.into_iter().filter(|it| (low..=high).contains(it)) {
         let first = below.map_or(Some(low), |it: i64| it.checked_add(1));
-        regions.extend(integers_between(
-            first,
-            bound.checked_sub(1),
-            below,
-            Some(bound),
-        ));
+        let last = bound.checked_sub(1);
+        regions.extend(integers_between(first, last, below, Some(bound), several));
         regions.push(Region {
             value: Value::Int(bound),
             stands_for: None,
@@ -197,28 +226,41 @@ fn integer_regions(compared: &BTreeSet<Value>, low: i64, high: i64) -> Vec<Regio
         below = Some(bound);
     }
     let first = below.map_or(Some(low), |it| it.checked_add(1));
-    regions.extend(integers_between(first, Some(high), below, None));
+    regions.extend(integers_between(first, Some(high), below, None, several));
     regions
 }
 
-/// Returns the region from the first to the last integer, which has these neighbours.
+/// Returns the region from the first to the last integer, which has these neighbours, with several of its values.
 fn integers_between(
     first: Option<i64>,
     last: Option<i64>,
     below: Option<i64>,
     above: Option<i64>,
-) -> Option<Region> {
-    let (first, last) = (first?, last?);
-    let value = match (below, above) {
-        _ if first > last => return None,
-        (Some(_), _) => first,
-        (None, Some(_)) => last,
-        (None, None) => 0.clamp(first, last),
+    several: usize,
+) -> Vec<Region> {
+    let (Some(first), Some(last)) = (first, last) else {
+        return Vec::new();
     };
-    Some(Region {
-        value: Value::Int(value),
-        stands_for: (first < last).then(|| between(below, above)),
-    })
+    if first > last {
+        return Vec::new();
+    }
+    // the first value, if all of them follow
+    let more = i64::try_from(several.saturating_sub(1)).unwrap_or(i64::MAX);
+    let greatest = last.saturating_sub(more).max(first);
+    let start = match (below, above) {
+        (Some(_), _) => first,
+        (None, Some(_)) => greatest,
+        (None, None) => 0.clamp(first, greatest),
+    };
+    let all_but_one = first.abs_diff(last);
+    let stands_for = (all_but_one > more as u64).then(|| between(below, above));
+    (start..=last)
+        .take(several)
+        .map(|number| Region {
+            value: Value::Int(number),
+            stands_for: stands_for.clone(),
+        })
+        .collect()
 }
 
 /// Returns the integer that a real number without fraction is, if it has 64 bits.
@@ -228,7 +270,7 @@ fn as_integer(real: f64) -> Option<i64> {
 }
 
 /// Returns the regions of real numbers; `None` if an integer that they are compared with is no 64-bit float.
-fn real_regions(compared: &BTreeSet<Value>) -> Option<Vec<Region>> {
+fn real_regions(compared: &BTreeSet<Value>, several: usize) -> Option<Vec<Region>> {
     let mut bounds = BTreeSet::new();
     for value in compared {
         if let Value::Real(real) = value
@@ -243,43 +285,64 @@ fn real_regions(compared: &BTreeSet<Value>) -> Option<Vec<Region>> {
     }
     let text = |number: f64| format!("{number:?}");
     let mut regions = Vec::new();
-    let mut region = |number: f64, below: Option<f64>, above: Option<f64>| {
-        let is_between = below.is_none_or(|it| it < number) && above.is_none_or(|it| number < it);
-        if is_between && number.is_finite() {
-            regions.push(Region {
-                value: Value::real(number),
-                stands_for: Some(between(below.map(text), above.map(text))),
-            });
-        }
+    let mut region = |below: Option<f64>, above: Option<f64>| {
+        let stands_for = between(below.map(text), above.map(text));
+        let numbers = reals_between(below, above, several).into_iter();
+        regions.extend(numbers.map(|number| Region {
+            value: Value::real(number),
+            stands_for: Some(stands_for.clone()),
+        }));
     };
     let mut below: Option<f64> = None;
-    let mut points = Vec::new();
     for bound in bounds.iter().map(|it| it.get()) {
-        let number = match below {
-            Some(below) => below + (bound - below) / 2.0,
-            None if bound - 1.0 < bound => bound - 1.0,
-            None => bound.next_down(),
-        };
-        region(number, below, Some(bound));
-        points.push(bound);
+        region(below, Some(bound));
         below = Some(bound);
     }
-    let number = match below {
-        Some(below) if below + 1.0 > below => below + 1.0,
-        Some(below) => below.next_up(),
-        None => 0.0,
-    };
-    region(number, below, None);
-    regions.extend(points.into_iter().map(|bound| Region {
-        value: Value::real(bound),
+    region(below, None);
+    regions.extend(bounds.iter().map(|bound| Region {
+        value: Value::real(bound.get()),
         stands_for: None,
     }));
     regions.sort_by(|a, b| a.value.cmp(&b.value));
     Some(regions)
 }
 
-/// Strings have no order here: those that an input is compared with, and one that stands for all others.
-fn text_regions(compared: &BTreeSet<Value>) -> Vec<Region> {
+/// Returns several real numbers between two others, or all if there are fewer.
+fn reals_between(below: Option<f64>, above: Option<f64>, several: usize) -> Vec<f64> {
+    let number = |index: usize| {
+        let steps = index as f64;
+        match (below, above) {
+            (Some(below), Some(above)) => {
+                below + (above - below) * (steps / (several as f64 + 1.0))
+            }
+            (None, Some(above)) => above - steps,
+            (Some(below), None) => below + steps,
+            (None, None) => steps - 1.0,
+        }
+    };
+    let is_between =
+        |it: &f64| below.is_none_or(|below| below < *it) && above.is_none_or(|above| *it < above);
+    let mut numbers: Vec<f64> = (1..=several).map(number).collect();
+    numbers.retain(|it| it.is_finite() && is_between(it));
+    numbers.sort_by(f64::total_cmp);
+    numbers.dedup();
+    if numbers.len() == several {
+        return numbers;
+    }
+    // so close together, or so great, that these coincide: the next ones
+    let neighbour = |it: &f64| match (below, above) {
+        (Some(_), _) | (None, None) => it.next_up(),
+        (None, Some(_)) => it.next_down(),
+    };
+    let start = below.or(above).unwrap_or_default();
+    let next = std::iter::successors(Some(neighbour(&start)), |it| Some(neighbour(it)));
+    next.take_while(|it| it.is_finite() && is_between(it))
+        .take(several)
+        .collect()
+}
+
+/// Strings have no order here: those that an input is compared with, and others, each of which stands for all others.
+fn text_regions(compared: &BTreeSet<Value>, several: usize) -> Vec<Region> {
     let texts = compared.iter().filter(|it| matches!(it, Value::Text(_)));
     let mut regions: Vec<Region> = texts
         .map(|text| Region {
@@ -288,13 +351,16 @@ fn text_regions(compared: &BTreeSet<Value>) -> Vec<Region> {
         })
         .collect();
     let mut other = String::from("other");
-    while compared.contains(&Value::text(other.as_str())) {
+    for _ in 0..several {
+        while compared.contains(&Value::text(other.as_str())) {
+            other.push('_');
+        }
+        regions.push(Region {
+            value: Value::text(other.clone()),
+            stands_for: Some("all others".to_owned()),
+        });
         other.push('_');
     }
-    regions.push(Region {
-        value: Value::text(other),
-        stands_for: Some("all others".to_owned()),
-    });
     regions
 }
 
@@ -313,7 +379,7 @@ mod tests {
     use super::*;
 
     fn described(kind: RegionKind, compared: &[Value]) -> String {
-        let regions = kind.regions(&compared.iter().cloned().collect());
+        let regions = kind.regions(&compared.iter().cloned().collect(), 1);
         let Some(regions) = regions else {
             return "none".to_owned();
         };
@@ -360,6 +426,32 @@ mod tests {
             ends,
             "-9223372036854775808, -9223372036854775807 (all between -9223372036854775808 and \
              9223372036854775807), 9223372036854775807"
+        );
+    }
+
+    #[test]
+    fn a_region_has_several_values_or_all() {
+        let numbers = |kind: RegionKind, compared: &[Value]| -> Vec<Value> {
+            let regions = kind.regions(&compared.iter().cloned().collect(), 3);
+            let regions = regions.unwrap_or_default().into_iter();
+            regions.map(|it| it.value).collect()
+        };
+        let all = RegionKind::Integers(i64::MIN, i64::MAX);
+        let integers = |from: i64, to: i64| (from..=to).map(Value::Int).collect::<Vec<_>>();
+        assert_eq!(numbers(all, &[]), integers(0, 2));
+        assert_eq!(numbers(all, &[Value::Int(5)]), integers(2, 8));
+        // two integers between the bounds are all
+        let close = [Value::Int(5), Value::Int(8)];
+        assert_eq!(numbers(all, &close), integers(2, 11));
+        let highest = numbers(all, &[Value::Int(i64::MAX - 1)]);
+        assert_eq!(highest, integers(i64::MAX - 4, i64::MAX));
+        assert_eq!(numbers(RegionKind::Integers(7, 8), &[]), integers(7, 8));
+        let next = 1.0_f64.next_up().next_up();
+        let reals = numbers(RegionKind::Reals, &[Value::real(1.0), Value::real(next)]);
+        assert_eq!(reals.len(), 3 + 1 + 1 + 1 + 3, "{reals:?}");
+        assert_eq!(
+            numbers(RegionKind::Texts, &[Value::text("other_")]).len(),
+            4
         );
     }
 

@@ -52,6 +52,7 @@ impl SystemPlan {
             // the script has the values
             return Ok(all);
         }
+        let are_kept = self.changes.is_some();
         let pairs = known.iter().zip(machines).zip(&mut self.ranges);
         for (index, ((known, machine), ranges)) in pairs.enumerate() {
             let sources = self.sources.get(index);
@@ -61,6 +62,7 @@ impl SystemPlan {
                 machine,
                 &known.specification,
                 &provided.collect(),
+                are_kept,
                 ranges,
             );
             all.extend(represented.map_err(|it| (index, report_of(it.diagnostic())))?);

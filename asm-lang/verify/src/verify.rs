@@ -69,6 +69,9 @@ pub struct Verification {
     /// Names of the domains whose elements were permuted, with the elements if these are not all. States that permutations make of
     /// each other are then counted once.
     pub symmetric: Vec<String>,
+    /// `true` if steps were left out because they lead to the same states in another order: there are fewer states and transitions
+    /// than those of the specification.
+    pub has_left_out_steps: bool,
     /// Expected number of states that were taken for others, and so were not explored, if only fingerprints of states were stored;
     /// otherwise no state was. Then a verdict holds with a probability only if it is about all states:
     /// see [`CheckedProperty::is_about_all_states`].
@@ -333,14 +336,20 @@ impl Exploring<'_> {
         kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
-        self.run_in(&system, self.cone(), kept, proceed)
+        self.run_in(
+            &system,
+            (self.cone(), self.options.independent),
+            kept,
+            proceed,
+        )
     }
 
-    /// Explores a system and checks the properties, in their cone of influence if there is one.
+    /// Explores a system and checks the properties, in their cone of influence if there is one. Leaves out the orders of independent
+    /// steps if `independent` is set.
     fn run_in<S: TransitionSystem>(
         &self,
         system: &S,
-        cone: Option<BTreeSet<usize>>,
+        (cone, independent): (Option<BTreeSet<usize>>, bool),
         mut kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
@@ -356,7 +365,8 @@ impl Exploring<'_> {
                 if let Some((_, kept)) = &mut kept {
                     kept.explored();
                 }
-                let explored = self.explore(system, cone, keeps_edges, proceed);
+                let reductions = (cone, independent);
+                let explored = self.explore(system, reductions, keeps_edges, proceed);
                 explored.map_err(|error| self.explain(system, &error))?
             }
         };
@@ -375,8 +385,10 @@ impl Exploring<'_> {
         // A step of the specification makes the same updates in the cone as a step there, unless it fails. What holds in all states of
         // the cone therefore holds in all states; a run in the cone may not be one of the specification.
         let is_shown = |property: &CheckedProperty| property.verdict.run().is_some();
-        if !exploration.left_out.is_empty() && properties.iter().any(is_shown) {
-            return self.run_in(system, None, kept, proceed);
+        let is_part = !exploration.left_out.is_empty() || exploration.has_left_out_steps;
+        if is_part && properties.iter().any(is_shown) {
+            // shown by the simplest of all runs
+            return self.run_in(system, (None, false), kept, proceed);
         }
         let has_advice = self.options.advice && !exploration.stands_for_others();
         let (advice, has_advice_on_steps) = if has_advice && exploration.incomplete.is_none() {
@@ -402,6 +414,7 @@ impl Exploring<'_> {
         let verification = Verification {
             symmetric: exploration.symmetric.clone(),
             left_out: exploration.left_out.clone(),
+            has_left_out_steps: exploration.has_left_out_steps,
             expected_missed: is_compact.then(|| expected_missed(states)),
             machines: Vec::new(),
             properties,
@@ -450,7 +463,7 @@ impl Exploring<'_> {
     fn explore<S: TransitionSystem>(
         &self,
         system: &S,
-        cone: Option<BTreeSet<usize>>,
+        (cone, independent): (Option<BTreeSet<usize>>, bool),
         keeps_edges: bool,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
@@ -462,6 +475,8 @@ impl Exploring<'_> {
             threads: self.options.threads.max(1),
             storage: storage_of(&self.options.storage),
             symmetry: self.options.symmetry,
+            // advice is about all steps
+            independent: independent && !self.options.advice,
         };
         if !self.options.without_grounding {
             if options.cone.is_some() {
@@ -514,6 +529,7 @@ impl Exploring<'_> {
             incomplete: found.incomplete,
             growing: Vec::new(),
             symmetric: Vec::new(),
+            has_left_out_steps: false,
             left_out: Vec::new(),
             expected_missed: None,
             advice: Vec::new(),

@@ -136,7 +136,7 @@ fn used(usage: &str) -> String {
 import StandardLibrary
 signature:
   monitored x: Integer
-  monitored y: Integer
+  monitored y: Natural
   controlled last: Integer
   controlled count: Integer
   controlled table: Integer -> Boolean
@@ -356,4 +356,104 @@ fn random_specifications_have_the_verdicts_of_an_explicit_domain() {
         }
     }
     assert!(violated > 20 && held > 20, "{violated} {held}");
+}
+
+/// Readings that are compared with each other and with a limit.
+fn readings(
+    codomain: &str,
+    domain: &str,
+    definition: &str,
+    value: &dyn Fn(i64) -> String,
+) -> String {
+    let (five, seven) = (value(5), value(7));
+    format!(
+        "asm readings
+import StandardLibrary
+import CTLLibrary
+signature:
+  {domain}
+  enum domain Which = {{NONE | FIRST | SECOND}}
+  domain Side subsetof Integer
+  monitored first: {codomain}
+  monitored second: {codomain}
+  monitored beside: Side -> {codomain}
+  controlled greatest: Which
+  controlled isSteep: Boolean
+  derived above: Prod({codomain}, {codomain}) -> Boolean
+definitions:
+  {definition}
+  domain Side = {{1:2}}
+  function above($a in {codomain}, $b in {codomain}) = $a > $b
+  CTLSPEC once: ag(greatest = FIRST implies ax(greatest != FIRST))
+  CTLSPEC right: ag(first > second implies ax(greatest = FIRST))
+  CTLSPEC wrong: ag(first > {five} implies ax(greatest = FIRST))
+  CTLSPEC equal: ag(first = second implies ax(greatest = NONE))
+  CTLSPEC within: ag((first > {five} and second > first and second < {seven}) implies ax(greatest != SECOND))
+  CTLSPEC steep: ag(not isSteep)
+  CTLSPEC flat: ag(beside(1) = beside(2) implies ax(not isSteep))
+  CTLSPEC apart: ag(isSteep implies ag(isSteep))
+  main rule r_Main = par
+    if above(first, second) then greatest := FIRST
+    else if above(second, first) then greatest := SECOND
+    else greatest := NONE endif endif
+    isSteep := (exist $s in Side, $t in Side with beside($s) > beside($t))
+  endpar
+default init s0:
+  function greatest = NONE
+  function isSteep = false
+"
+    )
+}
+
+/// Of all numbers, as many as there are inputs suffice in each region: these are the verdicts of a domain that has more.
+#[test]
+fn inputs_that_are_compared_with_each_other_have_values_in_every_order() {
+    let whole = |number: i64| number.to_string();
+    let small = readings(
+        "Small",
+        "domain Small subsetof Integer",
+        "domain Small = {4 : 8}",
+        &whole,
+    );
+    let expected = verdicts(&verified(&small, &Options::default()));
+    let count = |verdict: &str| expected.iter().filter(|it| it.1 == verdict).count();
+    assert!(
+        count("holds") >= 3 && count("violated") >= 4,
+        "{expected:?}"
+    );
+    let integers = verified(&readings("Integer", "", "", &whole), &Options::default());
+    assert_eq!(verdicts(&integers), expected);
+    let naturals = verified(
+        &readings("Natural", "", "", &|it| format!("{it}n")),
+        &Options::default(),
+    );
+    assert_eq!(verdicts(&naturals), expected);
+    let real = |number: i64| format!("{number}.0");
+    let reals = verified(&readings("Real", "", "", &real), &Options::default());
+    // between 5 and 7 there is more than one
+    let of = |verification: &Verification, name: &str| {
+        let verdicts = verdicts(verification).into_iter();
+        verdicts
+            .filter(|it| it.0 == name)
+            .map(|it| it.1)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(of(&integers, "within"), ["holds"]);
+    assert_eq!(of(&reals, "within"), ["violated"]);
+    for (name, verdict) in expected.iter().filter(|it| it.0 != "within") {
+        assert_eq!(of(&reals, name), [*verdict], "{name}");
+    }
+}
+
+/// A held value would have to stay apart from all values that others get.
+#[test]
+fn inputs_that_are_held_are_not_compared_with_each_other() {
+    let text = readings("Integer", "", "", &|it| it.to_string());
+    let specification = open(&text);
+    let system = asmotion_verify::SystemSpecification::of(specification)
+        .with_environment(asmotion_verify::EnvironmentModel::Hold { changes: 1 });
+    let refusal = asmotion_verify::verify_system(system, &Options::default(), &mut |_| true);
+    let refusal = refusal.err().map(|it| refused(&it)).unwrap_or_default();
+    assert!(refusal.contains("M001"), "{refusal}");
+    assert!(refusal.contains("compared here with"), "{refusal}");
 }

@@ -16,6 +16,7 @@ mod environments;
 mod fairness;
 mod grounded;
 mod guard_rails;
+mod independent;
 mod models;
 mod naive;
 mod naive_systems;

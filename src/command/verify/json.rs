@@ -70,6 +70,7 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "growing": growing.collect::<Vec<Value>>(),
         "left_out": verification.left_out,
         "symmetric": verification.symmetric,
+        "has_left_out_steps": verification.has_left_out_steps,
         "expected_missed": verification.expected_missed,
         "incomplete": verification.incomplete.map(incomplete_word),
         "milliseconds": time.as_millis() as u64,

@@ -61,6 +61,7 @@ impl Verify {
             storage,
             symmetry: self.symmetry(),
             cone: self.cone(),
+            independent: self.independent(),
             messages: self.system.message_model(),
             ..Options::default()
         };

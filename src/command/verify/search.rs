@@ -28,6 +28,10 @@ pub struct SearchOptions {
     #[arg(long)]
     cone: bool,
 
+    /// Explores steps that do not influence each other in one order, if all properties are about single states
+    #[arg(long)]
+    independent: bool,
+
     /// How states are stored
     #[arg(long, value_name = "STORAGE", value_enum, default_value_t = StorageOption::Exact)]
     storage: StorageOption,
@@ -64,6 +68,11 @@ impl Verify {
         self.search.cone
     }
 
+    /// Returns `true` if orders of independent steps are left out.
+    pub(super) fn independent(&self) -> bool {
+        self.search.independent
+    }
+
     /// Returns the way to store states.
     ///
     /// # Errors
@@ -86,6 +95,14 @@ impl Verify {
         if search.cone && self.property.is_empty() && self.possible.is_empty() {
             return Err(
                 "`--cone` needs `--property` or `--possible`: the general properties are about all locations"
+                    .to_owned(),
+            );
+        }
+        if search.independent
+            && (is_symbolic || search.symmetry || self.advice || self.mutants || self.watch)
+        {
+            return Err(
+                "`--independent` is for `--engine explicit`, without `--symmetry`, `--advice`, `--mutants` and `--watch`"
                     .to_owned(),
             );
         }

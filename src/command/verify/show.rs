@@ -45,6 +45,11 @@ pub fn text(
             verification.left_out.join(", ")
         ));
     }
+    if verification.has_left_out_steps {
+        terminal.result(format_args!(
+            "  {NOTE}note{NOTE:#} steps that do not influence each other were executed in one order: there are fewer states and transitions than without `--independent`"
+        ));
+    }
     for domain in &verification.symmetric {
         terminal.result(format_args!(
             "  {NOTE}note{NOTE:#} states that differ by a permutation of {domain} are counted once"
@@ -98,6 +103,13 @@ pub fn text(
 pub fn without_cone(terminal: &mut TerminalOutput) {
     terminal.result(format_args!(
         "  {NOTE}note{NOTE:#} `--cone` has no effect: the properties depend on all locations, are about paths or shown by a run, or the states have no grounded form"
+    ));
+}
+
+/// Says that no step was left out.
+pub fn without_independence(terminal: &mut TerminalOutput) {
+    terminal.result(format_args!(
+        "  {NOTE}note{NOTE:#} `--independent` has no effect: all steps influence each other or a property, a property is about paths or shown by a run, or the states have no grounded form"
     ));
 }
 

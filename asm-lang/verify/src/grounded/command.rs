@@ -1,6 +1,7 @@
 //! Cases compiled to commands: masks and tables over the words of a state.
 
 use super::case::{Case, Closed, Conjunction, Division, NoCases};
+use super::independence::CommandAccesses;
 use super::layout::{Field, WordLayout, Words};
 use crate::fair_moves::{FairMoves, MovedSet};
 use asmotion_ground::{
@@ -304,6 +305,8 @@ impl LengthLimit for std::ops::Range<u64> {
 pub(crate) struct StepCode<const W: usize> {
     /// Commands with updates, in the order of their alternatives.
     pub commands: Vec<Command<W>>,
+    /// What these access.
+    pub accesses: Vec<CommandAccesses>,
     /// Commands without updates.
     pub idle: Vec<Command<W>>,
     /// Alternatives that are executed part by part, each with the number of commands before it.
@@ -320,6 +323,7 @@ impl<const W: usize> StepCode<W> {
         let division = Division { layout };
         let mut code = Self {
             commands: Vec::new(),
+            accesses: Vec::new(),
             idle: Vec::new(),
             interpreted: Vec::new(),
         };
@@ -333,6 +337,8 @@ impl<const W: usize> StepCode<W> {
                         command.moved = fair.of_step(chosen, &case.counters);
                         if command.has_updates {
                             code.commands.push(command);
+                            let reads = |term: &GroundTerm| division.reads(term);
+                            code.accesses.push(CommandAccesses::of(&case, reads));
                         } else {
                             code.idle.push(command);
                         }

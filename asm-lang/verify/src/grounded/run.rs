@@ -2,6 +2,7 @@
 
 use super::cases::InputCases;
 use super::command::{CompiledCondition, ConditionCode, GroundTruth, StepCode};
+use super::independence::Independence;
 use super::layout::{WordLayout, Words};
 use super::machine_steps::{NotWords, WordMachine, words_of};
 use super::steps::{GroundedSteps, KnownNodes, ReachedWords, StateSteps, StepsOfStates};
@@ -14,7 +15,7 @@ use crate::explore::{
 };
 use crate::fair_moves::{FairMoves, MovedSet};
 use crate::inputs::InputRanges;
-use asmotion_ground::{FAULT, GroundProgram};
+use asmotion_ground::{FAULT, GroundProgram, accesses_of_term};
 use asmotion_lang::{Machine, Value};
 use rustc_hash::FxHashMap;
 use std::fmt;
@@ -67,6 +68,8 @@ pub(crate) struct GroundedRun<'a, const W: usize> {
     request: &'a RunRequest<'a>,
     conditions: &'a [CompiledCondition<W>],
     steps: GroundedSteps<'a, W>,
+    /// Which commands influence each other, if steps can be left out.
+    independence: Option<Independence>,
     /// Those of the other threads.
     others: Vec<GroundedSteps<'a, W>>,
     store: WordStore<W>,
@@ -107,6 +110,7 @@ impl<const W: usize> GroundedRun<'_, W> {
         if !request.fair.is_empty() && !code.interpreted.is_empty() {
             return Err(StoppedRun::NotGrounded);
         }
+        let independence = independence_of(request, &code);
         let count = conditions.len();
         let conditions = conditions.iter().filter(|_| !has_cases);
         let conditions = conditions.map(|term| CompiledCondition::of(request.layout, term));
@@ -115,6 +119,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             request,
             conditions: &conditions,
             steps: GroundedSteps::new(WordMachine::new(machine, ranges), request, &code),
+            independence,
             others: Vec::new(),
             store: WordStore::new(&request.options.storage),
             found: Exploration::new(request.options, count),
@@ -147,7 +152,11 @@ impl<const W: usize> GroundedRun<'_, W> {
         self.found.initial = self.node_count();
         self.level_end = self.found.initial;
         self.found.levels.push(0);
-        let threads = self.request.options.threads as u32;
+        // what is left out in a state depends on those before it
+        let threads = match self.independence {
+            None => self.request.options.threads as u32,
+            Some(_) => 1,
+        };
         while self.node < self.node_count() && self.found.incomplete.is_none() {
             let waiting = self.node_count() - self.node;
             if threads > 1 && waiting >= MIN_SHARED_STATES {
@@ -228,6 +237,9 @@ impl<const W: usize> GroundedRun<'_, W> {
         let nodes = KnownNodes::of(&self.store, self.cases.as_ref(), &self.found);
         nodes.give(self.node, &mut self.steps);
         let failed = self.steps.find(&state)?;
+        if failed.is_empty() {
+            self.leave_out(&state);
+        }
         // the places of all successors are read first, so that the reads overlap
         let mut touched = 0;
         for next in &self.steps.successors.states {
@@ -254,6 +266,41 @@ impl<const W: usize> GroundedRun<'_, W> {
             failed,
             stopped: None,
         })
+    }
+
+    /// Leaves out successors of the next node that are reached in another order of steps.
+    fn leave_out(&mut self, state: &Words<W>) {
+        let successors = &self.steps.successors;
+        let Some(independence) = &self.independence else {
+            return;
+        };
+        if successors.states.len() < 2 || successors.commands.len() != successors.states.len() {
+            return;
+        }
+        let changes = |at: &usize| {
+            let next = successors.states.get(*at);
+            next.is_some_and(|next| next.state != *state)
+        };
+        let positions: Vec<usize> = (0..successors.states.len()).filter(changes).collect();
+        let commands = positions.iter();
+        let commands = commands.filter_map(|at| successors.commands.get(*at).copied());
+        let is_new = |index: usize| {
+            let at = positions.get(index);
+            let next = at.and_then(|at| successors.states.get(*at));
+            next.is_some_and(|next| self.store.find(next).is_ok_and(|it| it > self.node))
+                || next.is_some_and(|next| self.store.find(next).is_err())
+        };
+        let Some(kept) = independence.stubborn(state, &commands.collect::<Vec<_>>(), is_new) else {
+            return;
+        };
+        let mut all = vec![true; successors.states.len()];
+        for (at, is_kept) in positions.iter().zip(kept) {
+            if let Some(place) = all.get_mut(*at) {
+                *place = is_kept;
+            }
+        }
+        self.steps.retain(&all);
+        self.found.has_left_out_steps = true;
     }
 
     /// Finds the successors of the next nodes with all threads, and takes them over.
@@ -494,6 +541,33 @@ impl<const W: usize> GroundedRun<'_, W> {
             }
         }
     }
+}
+
+/// Returns which commands influence each other, if steps may be left out.
+fn independence_of<const W: usize>(
+    request: &RunRequest<'_>,
+    code: &StepCode<W>,
+) -> Option<Independence> {
+    let Grounded {
+        step,
+        conditions,
+        has_cases,
+        ..
+    } = request.grounded;
+    let is_simple = matches!(step, GroundedStep::Alternatives(_)) && code.interpreted.is_empty();
+    if !request.options.independent
+        || request.options.keeps_edges
+        // within a number of steps, another order can be too long
+        || request.options.limits.depth.is_some()
+        || request.symmetry.is_some()
+        || !request.fair.is_empty()
+        || *has_cases
+        || !is_simple
+    {
+        return None;
+    }
+    let visible = conditions.iter().flat_map(|it| accesses_of_term(it).reads);
+    Independence::of(request.layout, &code.accesses, &visible.collect())
 }
 
 /// Adds counts.

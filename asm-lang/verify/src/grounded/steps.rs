@@ -33,6 +33,8 @@ pub(crate) struct Successors<const W: usize> {
     pub is_idle: bool,
     /// `true` if no step changes the state, and none fails.
     pub rests: bool,
+    /// The command that leads to each state; empty if not all of them stem from commands.
+    pub commands: Vec<usize>,
 }
 
 /// The inputs and choices of an execution, as far as they are decided.
@@ -100,6 +102,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
                 updating: 0,
                 is_idle: false,
                 rests: false,
+                commands: Vec::new(),
             },
             updates: GroundUpdates {
                 list: Vec::new(),
@@ -131,6 +134,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
     pub fn find(&mut self, state: &Words<W>) -> Result<Vec<FailedStep>, StoppedRun> {
         self.successors.states.clear();
         self.successors.moved.clear();
+        self.successors.commands.clear();
         self.successors.updating = 0;
         self.successors.is_idle = false;
         let failed = match self.grounded_steps(state) {
@@ -158,6 +162,15 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         Ok(failed)
     }
 
+    /// Leaves out successors.
+    pub fn retain(&mut self, kept: &[bool]) {
+        let mut is_kept = kept.iter().copied().chain(std::iter::repeat(true));
+        self.successors
+            .states
+            .retain(|_| is_kept.next().unwrap_or(true));
+        self.successors.updating = self.successors.states.len() as u64;
+    }
+
     /// Finds the successors of a state by a machine; returns the steps that fail.
     #[cold]
     fn machine_steps(&mut self, state: &Words<W>) -> Result<Vec<FailedStep>, StoppedRun> {
@@ -166,6 +179,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
             .machine
             .steps(program, self.request.layout, state, &self.known_values)?;
         self.successors.states.clear();
+        self.successors.commands.clear();
         self.successors.updating = 0;
         for (next, has_updates) in steps.next {
             self.successors.updating += u64::from(has_updates);
@@ -209,6 +223,9 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
             let next = command.next(layout, state)?;
             self.successors.states.push(HashedState::of(next));
             self.successors.updating += 1;
+            if self.request.options.independent {
+                self.successors.commands.push(index);
+            }
             if self.has_labels {
                 let moved = if next == *state { 0 } else { command.moved };
                 self.successors.moved.push(moved);

@@ -168,6 +168,7 @@ impl Symbolic<'_> {
             threads: self.options.threads,
             storage: StateStorage::Memory,
             symmetry: false,
+            independent: false,
             cone: None,
         };
         let explorer = Explorer::new(system.clone(), conditions, &options, self.fair);
