@@ -558,7 +558,7 @@ default init s0:
     let (_folder, path) = file("counters.asm", text);
     let states = |arguments: &[&str]| {
         let property = ["verify", &path, "--json", "--property", "rang or not rang"];
-        let (exit, out, err) = run(&[&property, arguments].concat());
+        let (exit, out, err) = run(&[&property[..], arguments].concat());
         assert_eq!((exit, err.as_str()), (0, ""), "{out}");
         let json: serde_json::Value = serde_json::from_str(&out).unwrap();
         (
