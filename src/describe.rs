@@ -368,7 +368,7 @@ fn declaration(
         catalogue,
         loader: &DiskLoader,
         seed: 0,
-        builtins: &mut bridges::make,
+        builtins: &mut |component, plan| bridges::make(catalogue, component, plan),
     };
     let make = workshop.make(component, plan).ok()?;
     let mut scratch = Interface::new();

@@ -213,7 +213,7 @@ impl Mission {
             seed: self.seed,
             builtins: &mut |component, plan| {
                 let robot = robots.make(component, plan);
-                robot.or_else(|| bridges::make(component, plan))
+                robot.or_else(|| bridges::make(self.build.catalogue(), component, plan))
             },
         };
         let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);

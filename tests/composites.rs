@@ -7,9 +7,9 @@ use asmotion_component::declaration::{
 use asmotion_composite::model::{BridgeKind, BuiltinComponent, Process};
 use asmotion_composite::{
     AsmFiles, Catalogue, Context, EmptyEnvironment, ProgramAnswer, Programs, RosMessage,
-    RosMessages, Tables,
+    RosMessages, RosOperation, RosOperations, Tables,
 };
-use asmotion_datum::Schema;
+use asmotion_datum::{OutlineKey, Schema};
 use asmotion_diagnostics::Code;
 use asmotion_lang::{Diagnostic, MemoryFiles, Report, Severity};
 use asmotion_program::{ProgramCommand, ProgramDeclaration, ProgramError};
@@ -34,10 +34,31 @@ impl RosMessages for Noetic {
     }
 
     fn find(&self, name: &str) -> Option<RosMessage> {
-        let known = self.names().iter().any(|known| known == name);
+        let known = RosMessages::names(self).iter().any(|known| known == name);
         let schema = BUILD.schema(name).filter(|_| known)?;
         let definition = schema.to_string();
         Some(RosMessage { schema, definition })
+    }
+
+    fn operations(&self) -> Option<&dyn RosOperations> {
+        Some(self)
+    }
+}
+
+impl RosOperations for Noetic {
+    fn names(&self) -> Vec<String> {
+        vec!["nav_msgs/GetMap".to_owned()]
+    }
+
+    fn find(&self, name: &str) -> Option<RosOperation> {
+        let map = BUILD.schema("nav_msgs/OccupancyGrid")?;
+        let map = OutlineKey::new("map", "", map);
+        (name == "nav_msgs/GetMap").then(|| RosOperation {
+            request: Schema::record("", Vec::new()),
+            response: Schema::record("", vec![map]),
+            feedback: None,
+            definition: "---\nnav_msgs/OccupancyGrid map\n".to_owned(),
+        })
     }
 }
 

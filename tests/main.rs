@@ -44,6 +44,8 @@ mod robots;
 mod ros;
 mod ros1;
 mod ros_bridge;
+mod ros_calls;
+mod ros_case;
 mod routes;
 mod scenario;
 mod shell;

@@ -36,6 +36,31 @@ fn messages_with_names_of_ros_2_have_its_fields() {
 }
 
 #[test]
+fn types_are_printed_as_json() {
+    let lines = |arguments: &[&str]| -> Vec<serde_json::Value> {
+        let (code, out, error) = ros(arguments);
+        assert_eq!(code, 0, "{error}");
+        let lines = out.lines();
+        lines
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect()
+    };
+    let shown = lines(&["types", "std_srvs/SetBool", "--ros", "1", "--json"]);
+    assert_eq!(
+        shown,
+        [serde_json::json!({
+            "name": "std_srvs/srv/SetBool", "kind": "srv", "definition": "bool data\n---\nbool success\nstring message\n",
+            "md5": "09fb03525b03e7ea1fd3992bafd87e16", "type_hash": null, "message_of_build": null, "difference": null,
+        })]
+    );
+    let listed = lines(&["types", "nav2_msgs/action/S", "--json"]);
+    assert_eq!(listed.len(), 2);
+    assert_eq!(listed[1]["name"], "nav2_msgs/action/Spin");
+    let hash = listed[1]["type_hash"].as_str().unwrap();
+    assert!(hash.starts_with("RIHS01_"), "{hash}");
+}
+
+#[test]
 fn types_are_listed_and_shown() {
     let (code, out, _) = ros(&["types", "nav2_msgs/action/S"]);
     assert_eq!(code, 0);

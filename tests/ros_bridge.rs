@@ -8,22 +8,27 @@ use std::sync::mpsc::{Receiver, channel};
 use asmotion_ros_master::{Master, SOON};
 use serde_json::json;
 
-fn composite(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/ros_bridge/{name}.composite.toml"))
+fn composite(folder: &str, name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/{folder}/{name}.composite.toml"))
 }
 
 /// A running composite, with the lines of its story and of its summary.
-struct Mission {
+pub(crate) struct Mission {
     child: Child,
     lines: Receiver<String>,
 }
 
 impl Mission {
     fn start(master: &Master, name: &str) -> Self {
+        Self::start_in(master, "ros_bridge", name)
+    }
+
+    /// Starts a composite of a folder of `tests`.
+    pub(crate) fn start_in(master: &Master, folder: &str, name: &str) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
         command
             .arg("run")
-            .arg(composite(name))
+            .arg(composite(folder, name))
             .args(["--clock", "wall", "--for", "120"])
             .env("ROS_MASTER_URI", master.uri())
             .stdin(Stdio::null())
@@ -43,7 +48,7 @@ impl Mission {
     }
 
     /// The next line of the story with this text.
-    fn line(&self, text: &str) -> String {
+    pub(crate) fn line(&self, text: &str) -> String {
         let mut before = Vec::new();
         loop {
             match self.lines.recv_timeout(SOON) {
@@ -259,11 +264,44 @@ fn r10_a_slow_subscriber_loses_the_oldest_messages() {
 }
 
 #[test]
+fn bad_publishers_are_reported_and_disturb_no_other() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let mut person = master.rospy("/person");
+    let mission = Mission::start(&master, "words");
+    mission.line("registered at the ROS master");
+    person.subscribe("/out", TEXT);
+    person.obey(json!(["connections", "/out", 1]));
+    person.advertise("/in", TEXT, 1);
+    for (behaviour, reported) in [
+        ("md5", "has the type `std_msgs/String`"),
+        ("utf8", "cannot read `/in` from"),
+        ("huge", "4294967280 bytes; the limit is"),
+        ("truncated", "the connection ended after"),
+        ("short", "cannot read `/in` from"),
+        ("header", "/in"),
+    ] {
+        let name = format!("/bad_{behaviour}");
+        let bad = master.peer("bad_publisher", &[&name, "/in", behaviour]);
+        assert_eq!(bad.line(), "connected", "{behaviour}");
+        let line = mission.line(reported);
+        assert!(line.contains("RosBridge"), "{line}");
+        person.publish("/in", TEXT, json!({"data": behaviour}));
+        // what can be read of a bad publisher arrives, too
+        while person.message("/out").0 != json!({"data": behaviour}) {}
+    }
+    let good = master.peer("bad_publisher", &["/good", "/in", "good"]);
+    assert_eq!(good.line(), "connected");
+    while person.message("/out").0 != json!({"data": "good"}) {}
+}
+
+#[test]
 fn r6_a_bridge_needs_the_wall_clock() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command
         .arg("run")
-        .arg(composite("words"))
+        .arg(composite("ros_bridge", "words"))
         .args(["--speed", "0"]);
     let output = command
         .env("ROS_MASTER_URI", "http://127.0.0.1:1/")

@@ -208,7 +208,10 @@ impl Catalogue for BuildCatalogue {
     }
 
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
-        find(&self.interfaces, interface).cloned()
+        let own = find(&self.interfaces, interface).cloned();
+        #[cfg(feature = "ros")]
+        let own = own.or_else(|| super::ros_messages::operations(interface));
+        own
     }
 }
 

@@ -2,9 +2,11 @@
 
 use std::sync::{Arc, LazyLock};
 
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_composite::model::BridgeKind;
-use asmotion_composite::{RosMessage, RosMessages};
+use asmotion_composite::{RosMessage, RosMessages, RosOperation, RosOperations};
 use asmotion_datum::Schema;
+use asmotion_ros_gateway::OperationType;
 use asmotion_ros_interface::{Catalogue, Distribution, InterfaceKind};
 
 /// The definitions of ROS 1, read once.
@@ -44,6 +46,38 @@ impl RosMessages for Noetic {
             definition: NOETIC.interface(&name).ok()?.to_string(),
         })
     }
+
+    fn operations(&self) -> Option<&dyn RosOperations> {
+        Some(self)
+    }
+}
+
+impl RosOperations for Noetic {
+    fn names(&self) -> Vec<String> {
+        OperationType::names(&NOETIC)
+    }
+
+    fn find(&self, name: &str) -> Option<RosOperation> {
+        let found = OperationType::find(&NOETIC, name)?;
+        let schemas = found.common_schemas(&NOETIC).ok()?;
+        Some(RosOperation {
+            request: schemas.request,
+            response: schemas.response,
+            feedback: schemas.feedback,
+            definition: found.definition(&NOETIC).ok()?,
+        })
+    }
+}
+
+/// The operations of an interface that is a service or an action of ROS: as in ROS 2, or else as in ROS 1.
+pub(super) fn operations(interface: &str) -> Option<Vec<OperationDeclaration>> {
+    let in_both = [&*JAZZY, &**NOETIC].into_iter();
+    in_both
+        .filter_map(|catalogue| {
+            let found = OperationType::find(catalogue, interface)?;
+            found.operations(catalogue).ok()
+        })
+        .next()
 }
 
 /// The schema of a message type that only ROS defines, for topics of composites: as in ROS 2, or else as in ROS 1.

@@ -4,11 +4,14 @@
 
 mod condition;
 mod conversion;
+mod converter;
 mod fit;
 mod proxy;
+mod units;
 
 pub use condition::{ConditionError, MessageCondition};
 pub use conversion::{Conversion, Use};
+pub use converter::{ConverterError, FieldConverter};
 pub use fit::{SchemaMisfit, check_fit};
 pub use proxy::{
     IdleCriterion, ListLength, Mapped, PortProxy, ProxyNotification, ProxyPort, ProxySettings,

@@ -30,6 +30,28 @@ pub struct RosMessage {
     pub definition: String,
 }
 
+/// A service or an action of ROS.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RosOperation {
+    /// Schema of the request or the goal, as components use it.
+    pub request: Schema,
+    /// Schema of the response or the result.
+    pub response: Schema,
+    /// Schema of the feedback; `None` for a service.
+    pub feedback: Option<Schema>,
+    /// Definition as ROS writes it, a line for each field.
+    pub definition: String,
+}
+
+/// Lookup of the services and actions of a generation of ROS.
+pub trait RosOperations {
+    /// Names of all services and actions.
+    fn names(&self) -> Vec<String>;
+
+    /// Returns a service or an action, such as `nav_msgs/GetPlan`; `None` if it is unknown.
+    fn find(&self, name: &str) -> Option<RosOperation>;
+}
+
 /// Returns the message types of ROS for bridges of a kind; `None` if the executable cannot connect such bridges.
 pub type RosMessagesOf = fn(BridgeKind) -> Option<&'static dyn RosMessages>;
 
@@ -40,6 +62,11 @@ pub trait RosMessages {
 
     /// Returns a message type, such as `nav_msgs/Path`; `None` if it is unknown.
     fn find(&self, name: &str) -> Option<RosMessage>;
+
+    /// Returns the services and actions; `None` if the executable connects topics only.
+    fn operations(&self) -> Option<&dyn RosOperations> {
+        None
+    }
 }
 
 /// Lookup of the components, messages and service interfaces available in an executable.

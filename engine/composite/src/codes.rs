@@ -122,6 +122,12 @@ pub(crate) mod c170;
 pub(crate) mod c171;
 pub(crate) mod c172;
 pub(crate) mod c173;
+pub(crate) mod c180;
+pub(crate) mod c181;
+pub(crate) mod c182;
+pub(crate) mod c183;
+pub(crate) mod c184;
+pub(crate) mod c185;
 
 use asmotion_diagnostics::Code;
 
@@ -247,4 +253,10 @@ pub const CODES: &[&Code] = &[
     c171::UnusedBridge::CODE,
     c172::MappedTwice::CODE,
     c173::InvalidRosName::CODE,
+    c180::UnknownRosOperation::CODE,
+    c181::RosOperationDiffers::CODE,
+    c182::OperationNotMapped::CODE,
+    c183::OperationMappedTwice::CODE,
+    c184::WrongConverter::CODE,
+    c185::NoSingleRosService::CODE,
 ];

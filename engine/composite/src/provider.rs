@@ -9,8 +9,12 @@ use asmotion_diagnostics::Report;
 use crate::at::At;
 use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c151::NoSingleProvider;
+use crate::codes::c185::NoSingleRosService;
 use crate::finding::Findings;
-use crate::model::{Component, Composite, End, Implementation, Promoted, Wire};
+use crate::model::{
+    Component, Composite, Direction, End, Implementation, MapEntry, Promoted, ROS, Wire,
+};
+use crate::nearest::nearest_name;
 
 /// Names and interfaces of services.
 pub(crate) type NamedInterfaces = Vec<(String, String)>;
@@ -67,6 +71,64 @@ fn resolved(
     wires.collect()
 }
 
+/// Replaces services of ROS, such as `ros:/make_plan`, by the services of the bridges that map them. A service that no bridge
+/// maps, or several, is reported, and its wire then leads nowhere.
+fn resolve_ros(composite: &mut Composite, report: &mut Report) {
+    let Composite {
+        components, wires, ..
+    } = composite;
+    for wire in wires {
+        for end in &mut wire.services {
+            if end.component.value != ROS {
+                continue;
+            }
+            let name = end.name.clone();
+            let mapped = components.iter().flat_map(mapped_services);
+            let found: BTreeSet<(String, String)> = mapped
+                .filter(|(ros, ..)| *ros == name.value)
+                .map(|(_, component, service)| (component.to_owned(), service.to_owned()))
+                .collect();
+            let mut services = found.iter();
+            if let (Some((component, service)), None) = (services.next(), services.next()) {
+                end.component.value.clone_from(component);
+                end.name.value.clone_from(service);
+                continue;
+            }
+            let bridges = found.iter();
+            let bridges = bridges.map(|(component, service)| format!("{component}.{service}"));
+            let known: Vec<&str> = components
+                .iter()
+                .flat_map(mapped_services)
+                .map(|(ros, ..)| ros)
+                .collect();
+            report.found(NoSingleRosService {
+                ros: name.value.clone(),
+                services: bridges.collect(),
+                nearest: nearest_name(&name, known),
+                at: name.span,
+            });
+            wire.interface = Some(At::new(format!("{ROS}{}", name.value), name.span));
+        }
+        wire.services.retain(|end| end.component.value != ROS);
+    }
+}
+
+/// The services and actions of ROS that a bridge calls, each with the bridge and its service.
+fn mapped_services(component: &Component) -> impl Iterator<Item = (&str, &str, &str)> {
+    component.special.map.iter().filter_map(|entry| {
+        let MapEntry::Ros(entry) = entry else {
+            return None;
+        };
+        let (service, _) = entry.from.value.split_once('.')?;
+        let is_called = entry.direction.value == Direction::ToRos;
+        is_called.then_some((
+            entry.ros.value.as_str(),
+            component.name.value.as_str(),
+            service,
+        ))
+    })
+}
+
 impl std::fmt::Display for ProvidedService<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}", self.component.name.value, self.name)
@@ -98,6 +160,7 @@ impl ServiceScope<'_> {
     /// Replaces the interfaces that wires name by services; reports interfaces with no provider or several. Providers of
     /// different profiles get a wire each.
     pub(crate) fn resolve(&self, composite: &mut Composite, report: &mut Report) {
+        resolve_ros(composite, report);
         if composite.wires.iter().all(|it| it.interface.is_none()) {
             return;
         }
@@ -107,6 +170,8 @@ impl ServiceScope<'_> {
         for wire in std::mem::take(&mut composite.wires) {
             match (wire.interface.clone(), wire.services.first()) {
                 (None, _) => wires.push(wire),
+                // reported as a service of ROS
+                (Some(interface), None) if interface.value.starts_with(ROS) => wires.push(wire),
                 (Some(interface), None) => {
                     wires.extend(resolved(wire, &interface, &services, report));
                 }

@@ -14,15 +14,18 @@ fn is_there() -> bool {
     asmotion_skip::shared("specs").is_some()
 }
 
-/// The files of the folder without the demand for a verification.
+/// The files of the folder without the demand for a verification, and with a converter in place of the name of one.
 struct Unverified(Files);
 
 impl Loader for Unverified {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         let text = self.0.read(path)?;
-        Ok(Arc::from(
-            text.replace(", refuse_start_on_failure = true", ""),
-        ))
+        let text = text.replace(", refuse_start_on_failure = true", "");
+        let named = "convert = \"event_from_string\"";
+        Ok(Arc::from(text.replace(
+            named,
+            "convert = { data = \"REACHED = reached, BLOCKED = blocked\" }",
+        )))
     }
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {

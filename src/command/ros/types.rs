@@ -9,6 +9,7 @@ use asmotion_ros_interface::{
     Catalogue, DefinitionError, Distribution, Interface, InterfaceKind, InterfaceName,
 };
 use clap::{Args, ValueEnum};
+use serde_json::json;
 
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
@@ -25,6 +26,10 @@ pub struct Types {
     /// Folder with further packages, such as /opt/ros/jazzy/share; may be repeated
     #[arg(long, value_name = "DIR")]
     definitions: Vec<PathBuf>,
+
+    /// Prints a JSON object for each interface, on a line of its own
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -52,19 +57,11 @@ impl Types {
         }
         let text = self.name.unwrap_or_default();
         if let Some((name, interface)) = exact(&catalogue, &text) {
-            return match describe(&catalogue, name, interface) {
-                Ok(lines) => {
-                    terminal.result(lines.trim_end());
-                    Exit::Ok
-                }
-                Err(error) => {
-                    terminal.error(error);
-                    Exit::Findings
-                }
-            };
+            return show(&catalogue, [(name, interface)], self.json, terminal);
         }
-        let mut names = catalogue.interfaces().map(|(name, _)| name.to_string());
-        let listed: Vec<String> = names.by_ref().filter(|name| name.contains(&text)).collect();
+        let all = catalogue.interfaces();
+        let listed = all.filter(|(name, _)| name.to_string().contains(&text));
+        let listed: Vec<_> = listed.collect();
         if listed.is_empty() {
             let known: Vec<String> = catalogue
                 .interfaces()
@@ -76,11 +73,34 @@ impl Types {
             ));
             return Exit::Findings;
         }
-        for name in listed {
+        if self.json {
+            return show(&catalogue, listed, true, terminal);
+        }
+        for (name, _) in listed {
             terminal.result(name);
         }
         Exit::Ok
     }
+}
+
+/// Prints definitions with what peers compare.
+fn show<'c>(
+    catalogue: &'c Catalogue,
+    interfaces: impl IntoIterator<Item = (&'c InterfaceName, &'c Interface)>,
+    as_json: bool,
+    terminal: &mut TerminalOutput,
+) -> Exit {
+    for (name, interface) in interfaces {
+        match Described::of(catalogue, name, interface) {
+            Ok(described) if as_json => terminal.result(described.json()),
+            Ok(described) => terminal.result(described.text().trim_end()),
+            Err(error) => {
+                terminal.error(error);
+                return Exit::Findings;
+            }
+        }
+    }
+    Exit::Ok
 }
 
 /// The interface of this name, whose kind may be left out if only one kind has the name.
@@ -99,40 +119,86 @@ fn exact<'c>(catalogue: &'c Catalogue, text: &str) -> Option<(&'c InterfaceName,
 }
 
 /// The definition of an interface, what peers compare, and how it agrees with a message of this build.
-fn describe(
-    catalogue: &Catalogue,
-    name: &InterfaceName,
-    interface: &Interface,
-) -> Result<String, DefinitionError> {
-    let mut text = format!("{name}\n");
-    for line in interface.to_string().lines() {
-        // writing to a string cannot fail
-        let _ = writeln!(text, "  {line}");
+struct Described<'c> {
+    name: &'c InterfaceName,
+    definition: String,
+    /// MD5 sum of ROS 1; `None` in ROS 2, and for an action, whose messages have sums.
+    md5: Option<String>,
+    /// Type hash of ROS 2.
+    type_hash: Option<String>,
+    /// The message of this build with the same name, and the first difference.
+    own: Option<(&'static str, Option<String>)>,
+}
+
+impl<'c> Described<'c> {
+    fn of(
+        catalogue: &Catalogue,
+        name: &'c InterfaceName,
+        interface: &Interface,
+    ) -> Result<Self, DefinitionError> {
+        let (md5, type_hash) = match (catalogue.distribution(), name.kind()) {
+            (Distribution::Ros2, _) => (None, Some(catalogue.type_hash(name)?.to_string())),
+            (Distribution::Ros1, InterfaceKind::Message | InterfaceKind::Service) => {
+                (Some(catalogue.md5(name)?.to_string()), None)
+            }
+            (Distribution::Ros1, InterfaceKind::Action) => (None, None),
+        };
+        let own = MESSAGES.iter().find(|(own, _)| *own == name.short());
+        let own = match own.filter(|_| name.kind() == InterfaceKind::Message) {
+            Some((own, schema)) => {
+                let compared = schema().compare(&catalogue.schema(name)?);
+                Some((
+                    *own,
+                    compared.err().map(|difference| difference.to_string()),
+                ))
+            }
+            None => None,
+        };
+        Ok(Self {
+            name,
+            definition: interface.to_string(),
+            md5,
+            type_hash,
+            own,
+        })
     }
-    match (catalogue.distribution(), name.kind()) {
-        (Distribution::Ros2, _) => {
-            let _ = writeln!(text, "type hash {}", catalogue.type_hash(name)?);
+
+    fn text(&self) -> String {
+        let mut text = format!("{}\n", self.name);
+        for line in self.definition.lines() {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "  {line}");
         }
-        (Distribution::Ros1, InterfaceKind::Message | InterfaceKind::Service) => {
-            let _ = writeln!(text, "MD5 sum {}", catalogue.md5(name)?);
+        if let Some(hash) = &self.type_hash {
+            let _ = writeln!(text, "type hash {hash}");
         }
-        // its messages have sums
-        (Distribution::Ros1, InterfaceKind::Action) => {}
-    }
-    let own = MESSAGES.iter().find(|(own, _)| *own == name.short());
-    if let (InterfaceKind::Message, Some((own, schema))) = (name.kind(), own) {
-        let _ = match schema().compare(&catalogue.schema(name)?) {
-            Ok(()) => writeln!(
+        if let Some(md5) = &self.md5 {
+            let _ = writeln!(text, "MD5 sum {md5}");
+        }
+        let _ = match &self.own {
+            Some((own, None)) => writeln!(
                 text,
                 "the message `{own}` of this build has the same fields"
             ),
-            Err(difference) => {
-                writeln!(
-                    text,
-                    "the message `{own}` of this build differs: {difference}"
-                )
-            }
+            Some((own, Some(difference))) => writeln!(
+                text,
+                "the message `{own}` of this build differs: {difference}"
+            ),
+            None => Ok(()),
         };
+        text
     }
-    Ok(text)
+
+    fn json(&self) -> serde_json::Value {
+        let own = self.own.as_ref();
+        json!({
+            "name": self.name.to_string(),
+            "kind": self.name.kind().folder(),
+            "definition": self.definition,
+            "md5": self.md5,
+            "type_hash": self.type_hash,
+            "message_of_build": own.map(|(own, _)| own),
+            "difference": own.and_then(|(_, difference)| difference.as_ref()),
+        })
+    }
 }

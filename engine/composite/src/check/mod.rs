@@ -26,6 +26,7 @@ mod protocol;
 mod proxy;
 mod queue;
 mod ros_bridge;
+mod ros_operation;
 mod scene;
 mod topic;
 mod wire;

@@ -2,23 +2,26 @@
 
 use std::collections::BTreeMap;
 
+use asmotion_bridge::FieldConverter;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Report;
 
 use super::builtin::missing;
 use super::component::unknown;
 use super::endpoints::TypeAt;
+use super::ros_operation;
 use super::scene::CheckedComposite;
 use crate::at::At;
-use crate::codes::c076::UnsupportedKey;
 use crate::codes::c122::PortNotListed;
 use crate::codes::c123::{PortTypeDiffers, RosDifference};
 use crate::codes::c170::UnknownRosType;
 use crate::codes::c172::MappedTwice;
 use crate::codes::c173::InvalidRosName;
+use crate::codes::c184::WrongConverter;
 use crate::finding::Findings;
 use crate::model::{BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
 use crate::nearest::{nearest, nearest_name};
+use crate::table::NamedValue;
 
 pub(super) fn check(
     scene: &CheckedComposite<'_>,
@@ -44,13 +47,11 @@ pub(super) fn check(
             continue;
         };
         check_name(&entry.ros, report);
-        if let Some(convert) = &entry.convert {
-            report.found(UnsupportedKey {
-                key: "convert",
-                at: convert.span,
-                instead: "use one type on both sides, or convert in a component between topics",
-            });
+        if operation_of(entry).is_some() {
+            ros_operation::check_entry(scene, component, bridge.kind.value, entry, report);
+            continue;
         }
+        ros_operation::only_for_actions(entry, "belongs to actions", report);
         check_entry(scene, component, bridge.kind.value, entry, report);
         if entry.direction.value == Direction::ToRos
             && let Some(first) = published.insert(&entry.ros, entry)
@@ -64,6 +65,12 @@ pub(super) fn check(
             });
         }
     }
+    ros_operation::check_all(scene, component, report);
+}
+
+/// The service or reference, and the operation, that an entry names in place of a port.
+pub(super) fn operation_of(entry: &RosEntry) -> Option<(&str, &str)> {
+    entry.from.value.split_once('.')
 }
 
 fn check_entry(
@@ -122,6 +129,7 @@ fn check_types(
     let Some(here) = scene.types.schema(&listed.kind) else {
         return;
     };
+    let here = converted(entry, here, &there.schema, report);
     let Err(difference) = here.compare(&there.schema) else {
         return;
     };
@@ -139,8 +147,25 @@ fn check_types(
     });
 }
 
+/// Checks the converters of an entry. Returns the schema of the port with the types that the converted fields have in ROS.
+fn converted(entry: &RosEntry, here: Schema, there: &Schema, report: &mut Report) -> Schema {
+    let mut converted = here;
+    for NamedValue { name, value } in &entry.convert {
+        let converter = FieldConverter::parse(name, value);
+        let checked = converter.and_then(|it| it.check(&converted, there).map(|()| it));
+        match checked {
+            Ok(converter) => converted = converter.converted(converted, there),
+            Err(reason) => report.found(WrongConverter {
+                reason,
+                at: value.span,
+            }),
+        }
+    }
+    converted
+}
+
 /// A schema in the form of a definition of ROS.
-fn definition(schema: &Schema) -> String {
+pub(super) fn definition(schema: &Schema) -> String {
     let Shape::Record(fields) = &schema.shape else {
         return schema.to_string();
     };
@@ -171,7 +196,7 @@ fn is_name(name: &str) -> bool {
 }
 
 /// The generation of ROS that a bridge connects to, for display.
-fn generation(kind: BridgeKind) -> &'static str {
+pub(super) fn generation(kind: BridgeKind) -> &'static str {
     match kind {
         BridgeKind::Ros1 => "ROS 1",
         BridgeKind::Ros2 => "ROS 2",

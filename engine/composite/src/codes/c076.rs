@@ -3,7 +3,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Key not supported by this version
 ///
 /// The key is valid, but this version ignores it: `record` of `[deploy]`, `[bridges]` of kinds that this build does not
-/// connect, `convert` of a ros-bridge, and how to start a program outside (`arguments`, `executable`, `name_service`).
+/// connect, operations of a ros-bridge that connects topics only, and how to start a program outside (`arguments`, `executable`, `name_service`).
 ///
 /// ```toml wrong
 /// schema = "composite/1"

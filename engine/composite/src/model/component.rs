@@ -10,6 +10,7 @@ use super::pace::{Lifecycle, Pace};
 use super::setting::Setting;
 use super::wiring::End;
 use crate::at::At;
+use crate::table::NamedValue;
 
 /// A component of the composite.
 #[derive(Clone, Debug, Table)]
@@ -94,7 +95,8 @@ pub struct SpecialKeys {
     /// carry (`C161`).
     #[key(example = "\"gripper.asm\"")]
     pub protocol: Option<At<String>>,
-    /// `port-proxy`: mapping of operations to ports. `ros-bridge`: mapping of topics to ROS topics.
+    /// `port-proxy`: mapping of operations to ports. `ros-bridge`: mapping of topics to topics of ROS, and of operations to
+    /// services and actions of ROS.
     #[key(
         example = "[{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }]"
     )]
@@ -245,30 +247,37 @@ pub enum ProxyMode {
     All,
 }
 
-/// Mapping of a topic to a ROS topic.
+/// Mapping of a topic to a topic of ROS, or of an operation to a service or an action of ROS.
 #[derive(Clone, Debug, Table)]
 #[table(of = "an entry of `map`", resolved = PlannedRosEntry)]
 pub struct RosEntry {
     /// Source location of the entry.
     pub span: Span,
-    /// Port of the bridge.
+    /// Port of the bridge; or `service.operation`, which ROS carries out, or `reference.operation`, which ROS can call.
     #[key(example = "\"plan\"")]
     pub from: At<String>,
-    /// Topic name in ROS.
+    /// Name of the topic, service or action in ROS.
     #[key(example = "\"/plan\"")]
     pub ros: At<String>,
-    /// Message type in ROS.
+    /// Type of the messages, the service or the action in ROS.
     #[key(name = "type", example = "\"nav_msgs/Path\"")]
     pub kind: At<String>,
-    /// Direction of the messages.
+    /// Direction of the messages or requests.
     #[key(example = "\"to_ros\"")]
     pub direction: At<Direction>,
+    /// Actions: port with the feedback, an output of the bridge (`to_ros`) or an input (`from_ros`).
+    #[key(example = "\"progress\"")]
+    pub feedback: Option<At<String>>,
+    /// Actions `to_ros`: `service.operation` that cancels the goals of all callers.
+    #[key(example = "\"moving.cancel\"")]
+    pub cancel: Option<At<String>>,
     /// Quality of service in ROS.
     #[key(example = "{ depth = 1, durability = \"transient_local\" }")]
     pub qos: Option<RosQos>,
-    /// Converter, required if the message types differ.
-    #[key(example = "\"event_from_string\"")]
-    pub convert: Option<At<String>>,
+    /// Topics: for each field that differs, what it is here and in ROS: units, as in `rad = deg`, or the values of an
+    /// enumeration, as in `IDLE = 0, MOVING = 1`.
+    #[key(example = "{ angle = \"rad = deg\" }")]
+    pub convert: Vec<NamedValue<At<String>>>,
 }
 
 /// Quality of service of a mapped topic, in the terms of ROS 2.

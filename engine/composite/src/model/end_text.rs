@@ -7,8 +7,18 @@ use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
 use crate::table::derived::{Reader, name};
 
+/// Stands in an [`End`] for the component that joins a service of ROS: `ros:/make_plan`. It is no name of a component.
+pub(crate) const ROS: &str = "ros:";
+
 /// Reads `Component.name`.
 pub(super) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
+    if let Some(name) = text.strip_prefix(ROS) {
+        let (prefix, length) = (ROS.len(), text.len());
+        return Some(End {
+            component: At::new(ROS.to_owned(), reader.part(text, 0..prefix)),
+            name: At::new(name.to_owned(), reader.part(text, prefix..length)),
+        });
+    }
     let split = text.split_once('.').filter(|(component, name)| {
         !component.is_empty() && !name.is_empty() && !name.contains('.')
     });

@@ -31,6 +31,7 @@ pub use composite::{Composite, Head};
 pub use deploy::{
     Deploy, PlannedProcess, PlannedRecord, PlannedRestart, Process, Record, Restart, RestartPolicy,
 };
+pub(crate) use end_text::ROS;
 pub use endpoint::{
     Address, Bridge, BridgeKind, Broker, Gateway, PlannedBridge, PlannedBroker, PlannedGateway,
     PlannedReconnect, Reconnect, Tls,

@@ -74,7 +74,8 @@ pub struct Wire {
     /// Reference of the calling component.
     #[key(example = "\"Coordinator.planner\"")]
     pub reference: End,
-    /// Called service; several for a fan-out of one-way calls. A wire to another system or robot has a `url` instead.
+    /// Called service; several for a fan-out of one-way calls. `ros:/make_plan` is the service of a ros-bridge that is mapped to
+    /// this service or action of ROS. A wire to another system or robot has a `url` instead.
     #[key(name = "service", one, example = "\"Planner.planning\"")]
     pub services: Vec<End>,
     /// Interface of the called service, in place of its name: the wire leads to the component that provides it.

@@ -5,7 +5,9 @@ use asmotion_component::declaration::{
     ServiceDeclaration,
 };
 use asmotion_composite::model::{BridgeKind, BuiltinComponent};
-use asmotion_composite::{Catalogue, ComponentFactory, RosMessage, RosMessages};
+use asmotion_composite::{
+    Catalogue, ComponentFactory, RosMessage, RosMessages, RosOperation, RosOperations,
+};
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 
 /// A catalogue with a few components, message types and interfaces.
@@ -279,9 +281,51 @@ impl RosMessages for SmallBuild {
     }
 
     fn find(&self, name: &str) -> Option<RosMessage> {
-        let known = self.names().iter().any(|it| it == name);
+        let known = RosMessages::names(self).iter().any(|it| it == name);
         let schema = self.schema(name).filter(|_| known)?;
         let definition = format!("# definition of {name}\n");
         Some(RosMessage { schema, definition })
+    }
+
+    fn operations(&self) -> Option<&dyn RosOperations> {
+        Some(self)
+    }
+}
+
+impl RosOperations for SmallBuild {
+    fn names(&self) -> Vec<String> {
+        ["nav_msgs/GetPlan", "move_base_msgs/MoveBase"]
+            .map(str::to_owned)
+            .to_vec()
+    }
+
+    fn find(&self, name: &str) -> Option<RosOperation> {
+        let pose = || self.schema("geometry_msgs/PoseStamped");
+        let record = |fields| Schema::record("", fields);
+        let (request, response, feedback) = match name {
+            "nav_msgs/GetPlan" => {
+                let tolerance = Schema::plain(Shape::F32);
+                let request = record(vec![
+                    field("start", pose()?),
+                    field("goal", pose()?),
+                    field("tolerance", tolerance),
+                ]);
+                let response = record(vec![field("plan", self.schema("nav_msgs/Path")?)]);
+                (request, response, None)
+            }
+            "move_base_msgs/MoveBase" => {
+                let goal = record(vec![field("target_pose", pose()?)]);
+                let feedback = record(vec![field("base_position", pose()?)]);
+                (goal, record(Vec::new()), Some(feedback))
+            }
+            _ => return None,
+        };
+        let definition = format!("# definition of {name}\n");
+        Some(RosOperation {
+            request,
+            response,
+            feedback,
+            definition,
+        })
     }
 }

@@ -8,18 +8,23 @@ use asmotion_component::{
 };
 use asmotion_datum::{Datum, Schema};
 
+use crate::calls::CalledOperation;
 use crate::echo::Echoes;
 use crate::mapped::{JoinedTopics, MappedTopic, RosDirection};
+use crate::offers::OfferedOperation;
+use crate::operation::{MappedOperation, OperationCaller, OperationServer};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
 
-/// Joins topics of a composite and topics of ROS.
+/// Joins topics and operations of a composite with topics, services and actions of ROS.
 ///
-/// Its cycle sends the samples of its inputs to ROS, and writes the messages of ROS to its outputs. It needs the wall clock: the
-/// nodes of ROS run on it. A message that does not fit the other side is counted as a misfit, and dropped.
+/// Its cycle sends the samples of its inputs to ROS, and writes the messages of ROS to its outputs; its services are carried out
+/// by ROS, and its references by components. It needs the wall clock: the nodes of ROS run on it. A message that does not fit the other side is counted as a misfit, and dropped.
 pub struct RosBridge {
     transport: Box<dyn RosTransport>,
     to_ros: Vec<Outbound>,
     from_ros: Vec<Inbound>,
+    calls: Vec<CalledOperation>,
+    offers: Vec<OfferedOperation>,
     /// `None` before the component is configured.
     open: Option<OpenConnection>,
     /// Messages that the bridge itself wrote, by pairs of topics that it maps in both directions.
@@ -46,6 +51,8 @@ struct OpenConnection {
     // before the connection, which ends when it is dropped
     senders: Vec<Box<dyn MessageSender>>,
     receivers: Vec<Box<dyn MessageReceiver>>,
+    callers: Vec<Box<dyn OperationCaller>>,
+    servers: Vec<Box<dyn OperationServer>>,
     connection: Box<dyn RosConnection>,
 }
 
@@ -85,7 +92,11 @@ impl RosBridge {
                     });
                 }
                 RosDirection::FromRos => {
-                    let conversion = Conversion::between(&ros_schema, &schema, Use::Fill);
+                    let converters = mapped.converters.iter();
+                    let converted = converters.fold(schema.clone(), |schema, converter| {
+                        converter.converted(schema, &ros_schema)
+                    });
+                    let conversion = Conversion::between(&ros_schema, &converted, Use::Fill);
                     let conversion = conversion.ok_or_else(|| {
                         format!("`{}` of ROS does not become `{schema}`", mapped.kind)
                     })?;
@@ -103,10 +114,47 @@ impl RosBridge {
             transport,
             to_ros,
             from_ros,
+            calls: Vec::new(),
+            offers: Vec::new(),
             open: None,
             echoes,
             misfits: Misfits::default(),
         })
+    }
+
+    /// Declares the services that ROS carries out, and the references that it calls. Joins nothing.
+    ///
+    /// # Errors
+    /// The reason that the arguments or results of an operation cannot be converted.
+    pub fn with_operations(
+        mut self,
+        operations: Vec<MappedOperation>,
+        interface: &mut Interface,
+    ) -> Result<Self, String> {
+        for mapped in operations {
+            let there = self.transport.operation(&mapped.kind)?;
+            match mapped.direction {
+                RosDirection::ToRos => {
+                    let called = CalledOperation::declare(mapped, there, interface)?;
+                    self.calls.push(called);
+                }
+                RosDirection::FromRos => {
+                    let offered = OfferedOperation::declare(mapped, there, interface)?;
+                    self.offers.push(offered);
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// Takes requests to ROS and from ROS, and their answers.
+    fn serve_operations(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
+        for (called, caller) in self.calls.iter_mut().zip(&mut open.callers) {
+            called.update(&mut **caller, &mut self.misfits, cycle);
+        }
+        for (offered, server) in self.offers.iter_mut().zip(&mut open.servers) {
+            offered.update(&mut **server, &mut self.misfits, cycle);
+        }
     }
 
     /// Sends the samples of the inputs to ROS.
@@ -165,9 +213,18 @@ impl Component for RosBridge {
         for inbound in &self.from_ros {
             receivers.push(connection.subscribe(&inbound.mapped).map_err(Fault::new)?);
         }
+        let (mut callers, mut servers) = (Vec::new(), Vec::new());
+        for called in &self.calls {
+            callers.push(connection.call(&called.mapped).map_err(Fault::new)?);
+        }
+        for offered in &self.offers {
+            servers.push(connection.offer(&offered.mapped).map_err(Fault::new)?);
+        }
         self.open = Some(OpenConnection {
             senders,
             receivers,
+            callers,
+            servers,
             connection,
         });
         Ok(())
@@ -183,6 +240,7 @@ impl Component for RosBridge {
         // first what arrived from the composite: it cannot contain a message that is written below
         self.send_samples(&mut open, cycle);
         self.write_messages(&mut open, cycle);
+        self.serve_operations(&mut open, cycle);
         cycle.set_losses(open.losses(self.misfits.count));
         self.open = Some(open);
         Ok(())
@@ -192,6 +250,12 @@ impl Component for RosBridge {
         // the last samples, such as safe samples of the components before it
         if let Some(mut open) = self.open.take() {
             self.send_samples(&mut open, cycle);
+            for (called, caller) in self.calls.iter_mut().zip(&mut open.callers) {
+                called.cancel_all(&mut **caller);
+            }
+            for (offered, server) in self.offers.iter_mut().zip(&mut open.servers) {
+                offered.end_all(&mut **server);
+            }
             self.open = Some(open);
         }
     }
@@ -225,7 +289,9 @@ impl Outbound {
     /// The message of ROS for a sample: with the fields that only ROS has, and a sequence number in the header, as the clients of
     /// ROS 1 put it there.
     fn message(&mut self, sample: Datum) -> Result<Datum, String> {
-        let complete = self.ros_schema.complete(sample);
+        let mut converters = self.mapped.converters.iter();
+        let converted = converters.try_fold(sample, |sample, it| it.to_there(sample))?;
+        let complete = self.ros_schema.complete(converted);
         let mut message = complete.map_err(|error| error.to_string())?;
         if let Some(sequence) =
             field_mut(&mut message, "header").and_then(|it| field_mut(it, "seq"))
@@ -240,7 +306,9 @@ impl Outbound {
 impl Inbound {
     /// The sample for a message of ROS.
     fn sample(&self, message: &Datum) -> Result<Datum, String> {
-        let sample = self.conversion.apply(message);
+        let converted = self.conversion.apply(message);
+        let mut converters = self.mapped.converters.iter();
+        let sample = converters.try_fold(converted, |sample, it| it.to_here(sample))?;
         let complete = self.mapped.schema.complete(sample);
         complete.map_err(|error| error.to_string())
     }
@@ -258,7 +326,7 @@ fn field_mut<'d>(record: &'d mut Datum, name: &str) -> Option<&'d mut Datum> {
 
 /// Messages that do not fit the other side.
 #[derive(Default)]
-struct Misfits {
+pub(crate) struct Misfits {
     count: u64,
     /// Ports and causes that have been reported.
     reported: BTreeSet<(String, String)>,
@@ -269,7 +337,12 @@ const REPORTED: usize = 32;
 
 impl Misfits {
     /// Counts a message, and reports it if the cause is new for the port.
-    fn count(&mut self, (port, ros): (&String, &String), reason: &str, cycle: &mut Cycle<'_>) {
+    pub(crate) fn count(
+        &mut self,
+        (port, ros): (&String, &String),
+        reason: &str,
+        cycle: &mut Cycle<'_>,
+    ) {
         self.count += 1;
         let cause = (port.clone(), reason.to_owned());
         if self.reported.len() < REPORTED && self.reported.insert(cause) {

@@ -1,15 +1,24 @@
-//! The built-in component `ros-bridge`: joins topics of a composite and topics of ROS, without code.
+//! The built-in component `ros-bridge`: joins topics and operations of a composite with topics, services and actions of ROS,
+//! without code.
 //!
 //! [`RosBridge`] is an ordinary component with a period, a life cycle and losses. It translates messages and passes them on; a
 //! [`RosTransport`] takes them to the nodes of ROS.
 
 mod bridge;
+mod calls;
 mod echo;
 mod mapped;
+mod offers;
+pub mod operation;
+mod operation_type;
 mod ros1;
+mod ros1_operations;
 mod transport;
 
+pub use asmotion_bridge::FieldConverter;
 pub use bridge::RosBridge;
 pub use mapped::{MappedTopic, RosDirection};
+pub use operation::{MappedFeedback, MappedOperation, OperationSchemas};
+pub use operation_type::{CALL, CANCEL, OperationKind, OperationType};
 pub use ros1::{Ros1Settings, Ros1Transport};
 pub use transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};

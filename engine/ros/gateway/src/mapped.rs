@@ -1,5 +1,6 @@
 //! A topic of a composite and a topic of ROS that a bridge joins.
 
+use asmotion_bridge::FieldConverter;
 use asmotion_datum::Schema;
 
 /// A mapping between a port of the bridge and a topic of ROS.
@@ -19,6 +20,8 @@ pub struct MappedTopic {
     pub queue: usize,
     /// `true` to send the last message to subscribers in ROS that join later.
     pub is_latched: bool,
+    /// Converters of fields, in their order.
+    pub converters: Vec<FieldConverter>,
     /// Direction of the messages.
     pub direction: RosDirection,
 }

@@ -7,9 +7,14 @@ use asmotion_bus::{Notifier, Overflow, QueuePolicy, Subscription};
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
 use asmotion_ros_interface::Catalogue;
-use asmotion_ros1::{RosNotice, RosSettings, RosUri, TopicType};
+use asmotion_ros1::{ActionType, RosNotice, RosSettings, RosUri, ServiceType, TopicType};
 
 use crate::mapped::MappedTopic;
+use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
+use crate::operation_type::{OperationKind, OperationType};
+use crate::ros1_operations::{
+    Ros1GoalCaller, Ros1GoalServer, Ros1ServiceCaller, Ros1ServiceServer,
+};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};
 
 /// Settings of a node of ROS 1.
@@ -45,9 +50,21 @@ fn topic_type(catalogue: &Catalogue, kind: &str) -> Result<TopicType, String> {
     TopicType::of(catalogue, &name).map_err(|error| error.to_string())
 }
 
+/// The type of a service or an action.
+fn operation_type(catalogue: &Catalogue, kind: &str) -> Result<OperationType, String> {
+    let found = OperationType::find(catalogue, kind);
+    found.ok_or_else(|| format!("`{kind}` is neither a service nor an action of ROS 1"))
+}
+
 impl RosTransport for Ros1Transport {
     fn schema(&self, kind: &str) -> Result<Schema, String> {
         topic_type(&self.catalogue, kind).map(|of| (*of.schema).clone())
+    }
+
+    fn operation(&self, kind: &str) -> Result<OperationSchemas, String> {
+        let of = operation_type(&self.catalogue, kind)?;
+        of.schemas(&self.catalogue)
+            .map_err(|error| error.to_string())
     }
 
     fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
@@ -112,8 +129,64 @@ impl RosConnection for Ros1Connection {
         }))
     }
 
+    fn call(&mut self, of: &MappedOperation) -> Result<Box<dyn OperationCaller>, String> {
+        let (node, notifier) = (&self.node, self.notifier());
+        Ok(match self.endpoint_type(of)? {
+            EndpointType::Service(kind) => {
+                Box::new(Ros1ServiceCaller::new(node, &of.ros, kind, notifier)?)
+            }
+            EndpointType::Action(kind) => {
+                Box::new(Ros1GoalCaller::new(node, &of.ros, &kind, &notifier)?)
+            }
+        })
+    }
+
+    fn offer(&mut self, of: &MappedOperation) -> Result<Box<dyn OperationServer>, String> {
+        let (node, notifier) = (&self.node, self.notifier());
+        Ok(match self.endpoint_type(of)? {
+            EndpointType::Service(kind) => {
+                Box::new(Ros1ServiceServer::new(node, &of.ros, kind, notifier)?)
+            }
+            EndpointType::Action(kind) => {
+                let found = operation_type(&self.catalogue, &of.kind)?;
+                let schemas = found.schemas(&self.catalogue);
+                let schemas = schemas.map_err(|error| error.to_string())?;
+                let result = &schemas.response;
+                let server = Ros1GoalServer::new(node, &of.ros, &kind, result, &notifier)?;
+                Box::new(server)
+            }
+        })
+    }
+
     fn notices(&mut self) -> Vec<String> {
         self.notices.take()
+    }
+}
+
+/// The type of a service or an action, for a node.
+enum EndpointType {
+    Service(ServiceType),
+    Action(Box<ActionType>),
+}
+
+impl Ros1Connection {
+    fn notifier(&self) -> Arc<Notifier> {
+        let wake = Arc::clone(&self.wake);
+        Arc::new(Notifier::calling(move || wake()))
+    }
+
+    fn endpoint_type(&self, of: &MappedOperation) -> Result<EndpointType, String> {
+        let found = operation_type(&self.catalogue, &of.kind)?;
+        Ok(match found.kind {
+            OperationKind::Service => {
+                let kind = ServiceType::of(&self.catalogue, &found.name);
+                EndpointType::Service(kind.map_err(|error| error.to_string())?)
+            }
+            OperationKind::Action => {
+                let kind = ActionType::of(&self.catalogue, &found.name.short());
+                EndpointType::Action(Box::new(kind.map_err(|error| error.to_string())?))
+            }
+        })
     }
 }
 

@@ -6,6 +6,10 @@ use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
 
 use crate::mapped::MappedTopic;
+use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
+
+/// What a transport without services and actions says.
+const NO_OPERATIONS: &str = "this bridge connects topics only";
 
 /// Requests a cycle of the bridge, from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -17,6 +21,14 @@ pub trait RosTransport: Send {
     /// # Errors
     /// The reason that the type is not known.
     fn schema(&self, kind: &str) -> Result<Schema, String>;
+
+    /// The schemas of a service or an action. By default, there are none.
+    ///
+    /// # Errors
+    /// The reason that the type is not known.
+    fn operation(&self, kind: &str) -> Result<OperationSchemas, String> {
+        Err(format!("`{kind}`: {NO_OPERATIONS}"))
+    }
 
     /// Starts a node. It joins when the graph can be reached, and again when it comes back; until then messages are lost, and
     /// counted.
@@ -39,6 +51,22 @@ pub trait RosConnection: Send {
     /// # Errors
     /// As [`publish`](Self::publish).
     fn subscribe(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageReceiver>, String>;
+
+    /// Creates a client of a service or an action. The node wakes the bridge when a call has made progress.
+    ///
+    /// # Errors
+    /// As [`publish`](Self::publish).
+    fn call(&mut self, _: &MappedOperation) -> Result<Box<dyn OperationCaller>, String> {
+        Err(NO_OPERATIONS.to_owned())
+    }
+
+    /// Offers a service or an action. The node wakes the bridge when a request has arrived.
+    ///
+    /// # Errors
+    /// As [`publish`](Self::publish).
+    fn offer(&mut self, _: &MappedOperation) -> Result<Box<dyn OperationServer>, String> {
+        Err(NO_OPERATIONS.to_owned())
+    }
 
     /// Takes the events in the life of the node, for the person who runs the system.
     fn notices(&mut self) -> Vec<String>;

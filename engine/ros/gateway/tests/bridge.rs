@@ -119,6 +119,7 @@ fn mapped(port: &str, direction: RosDirection) -> MappedTopic {
         kind: "test/Stamped".to_owned(),
         queue: 10,
         is_latched: false,
+        converters: Vec::new(),
         direction,
     }
 }

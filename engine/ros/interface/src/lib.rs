@@ -32,4 +32,5 @@ pub use distribution::Distribution;
 pub use error::{DefinitionError, DefinitionProblem, FolderError};
 pub use md5::Md5Sum;
 pub use name::{InterfaceKind, InterfaceName, NameError};
+pub use schema::common;
 pub use type_hash::TypeHash;

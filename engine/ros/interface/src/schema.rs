@@ -109,7 +109,8 @@ impl Catalogue {
     }
 }
 
-fn common(schema: Schema) -> Schema {
+/// A schema without the differences between the generations of ROS: see [`Catalogue::common_schema`].
+pub fn common(schema: Schema) -> Schema {
     let shape = match schema.shape {
         Shape::Record(_) if *schema.name == *TIME => return of_two(TIME, Shape::I32, Shape::U32),
         Shape::Record(_) if *schema.name == *DURATION => {

@@ -254,20 +254,29 @@ impl RospyNode {
     /// # Panics
     /// There is none soon.
     pub fn message(&mut self, topic: &str) -> (Value, String) {
-        let is_of = |line: &Value| line[0] == "message" && line[1] == *topic;
-        let found = self.unread.iter().position(is_of);
-        let line = match found.and_then(|at| self.unread.remove(at)) {
-            Some(line) => line,
-            None => loop {
-                let line = self.read();
-                if is_of(&line) {
-                    break line;
-                }
-                self.unread.push_back(line);
-            },
-        };
+        let line = self.event("message", topic);
         let publisher = line[3].as_str().unwrap_or_default().to_owned();
         (line[2].clone(), publisher)
+    }
+
+    /// The next line of this kind about a topic, service, action or parameter, such as `["request", service, request]`. Other
+    /// lines are kept.
+    ///
+    /// # Panics
+    /// There is none soon.
+    pub fn event(&mut self, kind: &str, of: &str) -> Value {
+        let is_of = |line: &Value| line[0] == *kind && line[1] == *of;
+        let found = self.unread.iter().position(is_of);
+        if let Some(line) = found.and_then(|at| self.unread.remove(at)) {
+            return line;
+        }
+        loop {
+            let line = self.read();
+            if is_of(&line) {
+                return line;
+            }
+            self.unread.push_back(line);
+        }
     }
 
     /// The number of messages of a topic that have arrived and were not awaited.

@@ -12,7 +12,7 @@ use tokio::sync::{Semaphore, mpsc};
 use tokio::time::{sleep, timeout_at};
 
 use crate::context::{Context, MasterAnswer};
-use crate::frame::{framed, read_frame, read_header};
+use crate::frame::{FrameError, framed, read_frame, read_header};
 use crate::header::ConnectionHeader;
 use crate::interface::{ANY, ServiceType};
 use crate::names::RosName;
@@ -25,6 +25,8 @@ use crate::xmlrpc::XmlRpcValue;
 pub const FAILED: &str = "failed";
 /// Code of a [`Refusal`]: the provider has another type.
 pub const MISMATCH: &str = "mismatch";
+/// Code of a [`Refusal`]: the connection ended before the response, so the provider may have carried out the request.
+pub const DIED: &str = "died";
 /// Code of a [`Refusal`]: the request or the response does not follow the type.
 pub const UNREADABLE: &str = "unreadable";
 
@@ -81,7 +83,7 @@ impl RosServiceClient {
     /// Calls the service. Never blocks; the call ends with a response, with a typed failure, or at the deadline.
     ///
     /// Without a provider it ends with [`CallFailure::Unavailable`], unless the request
-    /// [awaits one](Request::awaits_provider). A [`Refusal`] has one of the codes [`FAILED`], [`MISMATCH`] and [`UNREADABLE`].
+    /// [awaits one](Request::awaits_provider). A [`Refusal`] has one of the codes [`FAILED`], [`MISMATCH`], [`DIED`] and [`UNREADABLE`].
     /// Calls of a persistent client are executed one after the other.
     pub fn call(&self, request: Request, notifier: Arc<Notifier>) -> PendingCall {
         let awaits_provider = request.awaits_provider;
@@ -258,9 +260,12 @@ impl CalledService {
     ) -> Result<Payload, CallFailure> {
         let limit = self.context.settings.limits.message;
         let is_success = stream.read_u8().await;
-        let is_success = is_success.map_err(|error| self.unavailable(error.to_string()))? == 1;
+        let is_success = is_success.map_err(|error| refusal(DIED, &error))? == 1;
         let bytes = read_frame(&mut stream, limit).await;
-        let bytes = bytes.map_err(|error| refusal(UNREADABLE, &error))?;
+        let bytes = bytes.map_err(|error| match &error {
+            FrameError::Connection(_) | FrameError::Truncated { .. } => refusal(DIED, &error),
+            FrameError::TooLarge { .. } => refusal(UNREADABLE, &error),
+        })?;
         // a failure of the service is none of the connection
         if self.is_persistent {
             *kept = Some(stream);

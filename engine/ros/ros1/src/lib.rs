@@ -45,7 +45,7 @@ pub use action::{
     ActionClient, ActionClientCounts, ActionError, ActionEvent, ActionRequest, ActionServer,
     ActionType, ActionTypeError, GoalId, GoalOutcome, GoalPhase, ServedGoalError,
 };
-pub use caller::{FAILED, MISMATCH, RosServiceClient, UNREADABLE};
+pub use caller::{DIED, FAILED, MISMATCH, RosServiceClient, UNREADABLE};
 pub use clock::{RosClock, clock_message};
 pub use error::RosError;
 pub use graph::{RosGraph, RosTopic};

@@ -1,0 +1,226 @@
+//! Operations of the bridge that services and actions of ROS carry out.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use asmotion_bridge::{Conversion, Use};
+use asmotion_component::{
+    Cycle, Dynamic, Interface, Out, Provided, Request, RequestId, ServiceFault, Time,
+};
+use asmotion_datum::{Datum, Schema};
+
+use crate::bridge::Misfits;
+use crate::operation::{
+    BAD_ARGUMENT, BAD_REPLY, CallProgress, MappedOperation, OperationCaller, OperationSchemas,
+};
+
+/// Time for a one-way request to a service, whose caller gives none.
+const ONE_WAY: Duration = Duration::from_secs(10);
+
+/// An operation that ROS carries out.
+pub(crate) struct CalledOperation {
+    pub(crate) mapped: MappedOperation,
+    served: Provided<Dynamic>,
+    cancel: Option<Provided<Dynamic>>,
+    feedback: Option<Feedback>,
+    /// From the argument to the request in ROS.
+    request: Conversion,
+    request_there: Schema,
+    /// From the response in ROS to the result.
+    response: Conversion,
+    /// Calls that have not ended, with the times at which their callers stop waiting.
+    open: BTreeMap<RequestId, Option<Time>>,
+}
+
+struct Feedback {
+    port: Out<Datum>,
+    conversion: Conversion,
+    schema: Schema,
+}
+
+/// The conversion, or the reason that there is none.
+pub(crate) fn conversion(
+    from: &Schema,
+    to: &Schema,
+    usage: Use,
+    of: &MappedOperation,
+) -> Result<Conversion, String> {
+    let found = Conversion::between(from, to, usage);
+    found.ok_or_else(|| {
+        let operation = format!("{}.{}", of.port, of.operation.name);
+        format!(
+            "`{operation}` and `{}` of ROS: `{from}` does not become `{to}`",
+            of.kind
+        )
+    })
+}
+
+impl CalledOperation {
+    /// Declares the operation.
+    pub(crate) fn declare(
+        mapped: MappedOperation,
+        there: OperationSchemas,
+        interface: &mut Interface,
+    ) -> Result<Self, String> {
+        let of = &mapped.operation;
+        let request = conversion(&of.request, &there.request, Use::All, &mapped)?;
+        let response = conversion(&there.response, &of.response, Use::Fill, &mapped)?;
+        let doc = format!("`{}` of ROS", mapped.ros);
+        let (service, name) = (&mapped.port, &mapped.interface);
+        let served = interface.serve_declared(service, name, of.clone(), &doc);
+        let cancel = mapped.cancel.clone();
+        let cancel = cancel.map(|cancel| interface.serve_declared(service, name, cancel, &doc));
+        let feedback = match (&mapped.feedback, there.feedback) {
+            (Some(feedback), Some(schema)) => Some(Feedback {
+                conversion: conversion(&schema, &feedback.schema, Use::Fill, &mapped)?,
+                port: interface.output_of(
+                    &feedback.port,
+                    feedback.schema.clone(),
+                    &format!("feedback of `{}` of ROS", mapped.ros),
+                ),
+                schema: feedback.schema.clone(),
+            }),
+            (Some(_), None) => return Err(format!("`{}` gives no feedback", mapped.kind)),
+            (None, _) => None,
+        };
+        Ok(Self {
+            served,
+            cancel,
+            feedback,
+            request,
+            request_there: there.request,
+            response,
+            mapped,
+            open: BTreeMap::new(),
+        })
+    }
+
+    /// Takes requests to ROS, and answers from there.
+    pub(crate) fn update(
+        &mut self,
+        caller: &mut dyn OperationCaller,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        for request in cycle.cancelled(self.served).to_vec() {
+            if self.open.remove(&request).is_some() {
+                caller.cancel(request.0);
+            }
+        }
+        // before new requests: an operation that cancels does not meet a goal of the same cycle
+        self.serve_cancellations(caller, cycle);
+        for request in cycle.requests(self.served) {
+            self.begin(request, caller, misfits, cycle);
+        }
+        for progress in caller.take() {
+            match progress {
+                CallProgress::Feedback(feedback) => self.write_feedback(&feedback, misfits, cycle),
+                CallProgress::Ended { call, result } => {
+                    self.end(RequestId(call), result, misfits, cycle);
+                }
+            }
+        }
+        let now = cycle.now();
+        let deadlines = self.open.values().flatten().copied().min();
+        let patience = caller.patience().map(|patience| now + patience);
+        if let Some(next) = deadlines.into_iter().chain(patience).min() {
+            cycle.request_cycle_at(next);
+        }
+    }
+
+    /// Cancels all calls; those to services are no longer awaited.
+    pub(crate) fn cancel_all(&self, caller: &mut dyn OperationCaller) {
+        for request in self.open.keys() {
+            caller.cancel(request.0);
+        }
+    }
+
+    /// Cancels the goals of all callers. They end as their server says.
+    fn serve_cancellations(&mut self, caller: &mut dyn OperationCaller, cycle: &mut Cycle<'_>) {
+        let (Some(served), Some(cancel)) = (self.cancel, &self.mapped.cancel) else {
+            return;
+        };
+        for request in cycle.requests(served) {
+            self.cancel_all(caller);
+            let response = cancel.response.complete(Datum::Record(Vec::new()));
+            let response =
+                response.map_err(|error| ServiceFault::new(BAD_REPLY, error.to_string()));
+            cycle.reply(served, request.id, response);
+        }
+    }
+
+    fn begin(
+        &mut self,
+        request: Request<Datum>,
+        caller: &mut dyn OperationCaller,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        let there = self.request.apply(&request.argument);
+        match self.request_there.complete(there) {
+            Ok(there) => {
+                let deadline = request.deadline;
+                let timeout = deadline.map_or(ONE_WAY, |at| at.since(cycle.now()));
+                caller.call(request.id.0, &there, timeout);
+                self.open.insert(request.id, deadline);
+            }
+            Err(error) => {
+                let fault = ServiceFault::new(BAD_ARGUMENT, error.to_string());
+                self.fail(request.id, request.deadline, fault, misfits, cycle);
+            }
+        }
+    }
+
+    fn write_feedback(&self, feedback: &Datum, misfits: &mut Misfits, cycle: &mut Cycle<'_>) {
+        let Some(to) = &self.feedback else {
+            return;
+        };
+        match to.schema.complete(to.conversion.apply(feedback)) {
+            Ok(sample) => cycle.write(to.port, sample),
+            Err(error) => misfits.count(
+                (&self.mapped.port, &self.mapped.ros),
+                &error.to_string(),
+                cycle,
+            ),
+        }
+    }
+
+    fn end(
+        &mut self,
+        request: RequestId,
+        result: Result<Datum, ServiceFault>,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        // its caller waits no more
+        let Some(deadline) = self.open.remove(&request) else {
+            return;
+        };
+        let schema = &self.mapped.operation.response;
+        let result = result.and_then(|response| {
+            let result = schema.complete(self.response.apply(&response));
+            result.map_err(|error| ServiceFault::new(BAD_REPLY, error.to_string()))
+        });
+        match result {
+            Ok(result) => cycle.reply(self.served, request, Ok(result)),
+            Err(fault) => self.fail(request, deadline, fault, misfits, cycle),
+        }
+    }
+
+    /// Ends a request with a fault. Of a one-way request, whose caller does not wait, it is counted and reported.
+    fn fail(
+        &self,
+        request: RequestId,
+        deadline: Option<Time>,
+        fault: ServiceFault,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        if deadline.is_none() {
+            let at = (&self.mapped.port, &self.mapped.ros);
+            misfits.count(at, &fault.to_string(), cycle);
+            return;
+        }
+        cycle.reply(self.served, request, Err(fault));
+    }
+}
