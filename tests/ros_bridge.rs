@@ -276,10 +276,10 @@ fn bad_publishers_are_reported_and_disturb_no_other() {
     person.advertise("/in", TEXT, 1);
     for (behaviour, reported) in [
         ("md5", "has the type `std_msgs/String`"),
-        ("utf8", "cannot read `/in` from"),
+        ("utf8", "cannot read"),
         ("huge", "4294967280 bytes; the limit is"),
         ("truncated", "the connection ended after"),
-        ("short", "cannot read `/in` from"),
+        ("short", "cannot read"),
         ("header", "/in"),
     ] {
         let name = format!("/bad_{behaviour}");

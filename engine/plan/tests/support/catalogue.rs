@@ -228,7 +228,7 @@ fn service(name: &str, interface: &str) -> ServiceDeclaration {
         name: name.to_owned(),
         interface: interface.to_owned(),
         doc: String::new(),
-        operations: SmallBuild.operations(interface).unwrap_or_default(),
+        operations: Catalogue::operations(&SmallBuild, interface).unwrap_or_default(),
     }
 }
 
@@ -238,7 +238,7 @@ fn reference(name: &str, interface: &str) -> ReferenceDeclaration {
         interface: interface.to_owned(),
         doc: String::new(),
         optional: true,
-        operations: SmallBuild.operations(interface).unwrap_or_default(),
+        operations: Catalogue::operations(&SmallBuild, interface).unwrap_or_default(),
     }
 }
 

@@ -156,8 +156,10 @@ impl CalledOperation {
         misfits: &mut Misfits,
         cycle: &mut Cycle<'_>,
     ) {
-        let there = self.request.apply(&request.argument);
-        match self.request_there.complete(there) {
+        // an argument may leave fields out
+        let argument = self.mapped.operation.request.complete(request.argument);
+        let there = argument.map(|argument| self.request.apply(&argument));
+        match there.and_then(|there| self.request_there.complete(there)) {
             Ok(there) => {
                 let deadline = request.deadline;
                 let timeout = deadline.map_or(ONE_WAY, |at| at.since(cycle.now()));

@@ -82,7 +82,7 @@ impl OfferedOperation {
                 continue;
             };
             let end = match reply.result {
-                Ok(result) => self.response(&result),
+                Ok(result) => self.response(result),
                 Err(CallError::Cancelled) => ServedEnd::Cancelled,
                 Err(error) => ServedEnd::Failed(error.to_string()),
             };
@@ -137,8 +137,11 @@ impl OfferedOperation {
         }
     }
 
-    fn response(&self, result: &Datum) -> ServedEnd {
-        match self.response_there.complete(self.response.apply(result)) {
+    fn response(&self, result: Datum) -> ServedEnd {
+        // a result may leave fields out
+        let result = self.mapped.operation.response.complete(result);
+        let there = result.map(|result| self.response.apply(&result));
+        match there.and_then(|there| self.response_there.complete(there)) {
             Ok(response) => ServedEnd::Done(response),
             Err(error) => ServedEnd::Failed(error.to_string()),
         }
