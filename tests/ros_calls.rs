@@ -1,6 +1,6 @@
 //! Services and actions of ROS 1 through a ros-bridge: nodes of rospy, and a real master.
 
-use asmotion_ros_master::{Master, RospyNode, eventually};
+use asmotion_ros_master::{Master, RospyNode};
 use serde_json::{Value, json};
 
 use crate::ros_bridge::Mission;
@@ -163,10 +163,11 @@ fn a_goal_is_rejected_or_lost() {
     refuser.obey(json!(["reject", "/move", MOVE_BASE]));
     assert_eq!(asked.ask(), "REJECTED");
     drop(refuser);
-    eventually("the server is not connected", || {
-        let info = asked.master.tool("rosnode", &["list"]);
-        (!info.contains("/refuser")).then_some(())
-    });
+    let mut mover = mover(&asked.master, json!({"steps": 600}));
+    asked.person.publish("/ask", EMPTY, json!({}));
+    mover.event("goal", "/move");
+    drop(mover);
+    assert_eq!(asked.said(), "LOST");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use asmotion_bridge::{Conversion, Use};
 use asmotion_component::{
     Cycle, Dynamic, Interface, Out, Provided, Request, RequestId, ServiceFault, Time,
 };
-use asmotion_datum::{Datum, Schema};
+use asmotion_datum::{Datum, DatumError, Schema, Shape};
 
 use crate::bridge::Misfits;
 use crate::operation::{
@@ -53,6 +53,18 @@ pub(crate) fn conversion(
             of.kind
         )
     })
+}
+
+/// The complete datum of a schema. Fields may be left out, and a specification may write a record as a tuple of its fields.
+pub(crate) fn complete(datum: Datum, schema: &Schema) -> Result<Datum, DatumError> {
+    let datum = match (datum, &schema.shape) {
+        (Datum::List(values), Shape::Record(fields)) if values.len() == fields.len() => {
+            let names = fields.iter().map(|field| field.name.clone());
+            Datum::record(names.zip(values))
+        }
+        (datum, _) => datum,
+    };
+    schema.complete(datum)
 }
 
 impl CalledOperation {
@@ -156,8 +168,8 @@ impl CalledOperation {
         misfits: &mut Misfits,
         cycle: &mut Cycle<'_>,
     ) {
-        // an argument may leave fields out
-        let argument = self.mapped.operation.request.complete(request.argument);
+        let schema = &self.mapped.operation.request;
+        let argument = complete(request.argument, schema);
         let there = argument.map(|argument| self.request.apply(&argument));
         match there.and_then(|there| self.request_there.complete(there)) {
             Ok(there) => {

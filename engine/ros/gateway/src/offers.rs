@@ -7,7 +7,7 @@ use asmotion_component::{CallError, CallId, Cycle, Dynamic, In, Interface, Requi
 use asmotion_datum::{Datum, Schema};
 
 use crate::bridge::Misfits;
-use crate::calls::conversion;
+use crate::calls::{complete, conversion};
 use crate::operation::{
     CallNumber, MappedOperation, OperationSchemas, OperationServer, ServedEnd, ServedRequest,
 };
@@ -28,6 +28,7 @@ pub(crate) struct OfferedOperation {
 
 struct Feedback {
     port: In<Datum>,
+    schema: Schema,
     conversion: Conversion,
     schema_there: Schema,
 }
@@ -53,6 +54,7 @@ impl OfferedOperation {
                     feedback.schema.clone(),
                     &format!("feedback of the action `{}` of ROS", mapped.ros),
                 ),
+                schema: feedback.schema.clone(),
                 schema_there,
             }),
             (Some(_), None) => return Err(format!("`{}` gives no feedback", mapped.kind)),
@@ -129,7 +131,9 @@ impl OfferedOperation {
             return;
         };
         for sample in cycle.all(of.port).to_vec() {
-            let there = of.schema_there.complete(of.conversion.apply(&sample));
+            let complete = of.schema.complete(sample);
+            let there = complete.map(|sample| of.conversion.apply(&sample));
+            let there = there.and_then(|there| of.schema_there.complete(there));
             let there = there.map_err(|error| error.to_string());
             if let Err(reason) = there.and_then(|there| server.tell(&there)) {
                 misfits.count((&self.mapped.port, &self.mapped.ros), &reason, cycle);
@@ -138,8 +142,7 @@ impl OfferedOperation {
     }
 
     fn response(&self, result: Datum) -> ServedEnd {
-        // a result may leave fields out
-        let result = self.mapped.operation.response.complete(result);
+        let result = complete(result, &self.mapped.operation.response);
         let there = result.map(|result| self.response.apply(&result));
         match there.and_then(|there| self.response_there.complete(there)) {
             Ok(response) => ServedEnd::Done(response),
