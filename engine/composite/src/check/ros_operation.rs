@@ -11,6 +11,7 @@ use super::component::unknown;
 use super::ros_bridge::{definition, generation, operation_of};
 use super::scene::CheckedComposite;
 use crate::at::At;
+use crate::catalogue::{RosOperation, RosOperations};
 use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
 use crate::codes::c122::PortNotListed;
@@ -21,7 +22,6 @@ use crate::codes::c183::OperationMappedTwice;
 use crate::finding::Findings;
 use crate::model::{BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
 use crate::nearest::{nearest, nearest_name};
-use crate::{RosOperation, RosOperations};
 
 /// Checks an entry that maps an operation.
 pub(super) fn check_entry(
@@ -60,7 +60,9 @@ pub(super) fn check_entry(
     if there.feedback.is_none() {
         only_for_actions(entry, "a service gives no feedback and has no goal", report);
     }
-    if let (Some(cancel), Direction::FromRos) = (&entry.cancel, entry.direction.value) {
+    if let (Some(cancel), Direction::FromRos, Some(_)) =
+        (&entry.cancel, entry.direction.value, &there.feedback)
+    {
         report.found(IdleKey {
             key: "cancel",
             at: cancel.span,
@@ -191,21 +193,27 @@ fn check_operation(
     there: &RosOperation,
     report: &mut Report,
 ) {
-    let names = || known.iter().map(|known| (known.name.as_str(), None));
     let find = |name: &str| known.iter().find(|known| known.name == name);
     let Some((port, name)) = operation_of(entry) else {
         return;
+    };
+    let known_names = known.iter();
+    let known_names: Vec<String> = known_names
+        .map(|known| format!("{port}.{}", known.name))
+        .collect();
+    let unknown = |written: &At<String>| {
+        let names = known_names.iter().map(|known| (known.as_str(), None));
+        unknown("operation", written, nearest(written, names))
     };
     if let Some(cancel) = &entry.cancel {
         let of_service = cancel.value.split_once('.');
         let of_service = of_service.filter(|(service, _)| *service == port);
         if of_service.and_then(|(_, name)| find(name)).is_none() {
-            report.found(unknown("operation", cancel, nearest(cancel, names())));
+            report.found(unknown(cancel));
         }
     }
     let Some(here) = find(name) else {
-        let name = At::new(name.to_owned(), entry.from.span);
-        report.found(unknown("operation", &name, nearest(&name, names())));
+        report.found(unknown(&entry.from));
         return;
     };
     let converts = |from, to, usage| Conversion::between(from, to, usage).is_some();

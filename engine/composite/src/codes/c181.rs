@@ -60,6 +60,7 @@ pub(crate) struct RosOperationDiffers {
 impl Finding for RosOperationDiffers {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self {
+            part,
             operation,
             there,
             definition_here,
@@ -70,8 +71,11 @@ impl Finding for RosOperationDiffers {
             .label(self.at, "type there")
             .note(format!("`{operation}` here:\n{}", definition_here.trim_end()))
             .note(format!("`{there}` there:\n{}", definition_there.trim_end()))
-            .help(format!(
-                "use the interface `{there}`, whose operation is `call`, or one with the same fields"
-            ))
+            .help(match *part {
+                "feedback" => "give the port a type with the fields of the feedback".to_owned(),
+                _ => format!(
+                    "use the interface `{there}`, whose operation is `call`, or one with the same fields"
+                ),
+            })
     }
 }

@@ -1,6 +1,6 @@
 //! The component.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use asmotion_bridge::{Conversion, Use};
 use asmotion_component::{
@@ -11,6 +11,7 @@ use asmotion_datum::{Datum, Schema};
 use crate::calls::CalledOperation;
 use crate::echo::Echoes;
 use crate::mapped::{JoinedTopics, MappedTopic, RosDirection};
+use crate::misfits::Misfits;
 use crate::offers::OfferedOperation;
 use crate::operation::{MappedOperation, OperationCaller, OperationServer};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
@@ -241,7 +242,7 @@ impl Component for RosBridge {
         self.send_samples(&mut open, cycle);
         self.write_messages(&mut open, cycle);
         self.serve_operations(&mut open, cycle);
-        cycle.set_losses(open.losses(self.misfits.count));
+        cycle.set_losses(open.losses(self.misfits.total()));
         self.open = Some(open);
         Ok(())
     }
@@ -322,32 +323,4 @@ fn field_mut<'d>(record: &'d mut Datum, name: &str) -> Option<&'d mut Datum> {
     fields
         .find(|(field, _)| **field == *name)
         .map(|(_, value)| value)
-}
-
-/// Messages that do not fit the other side.
-#[derive(Default)]
-pub(crate) struct Misfits {
-    count: u64,
-    /// Ports and causes that have been reported.
-    reported: BTreeSet<(String, String)>,
-}
-
-/// Number of different causes that are reported; later ones are counted only.
-const REPORTED: usize = 32;
-
-impl Misfits {
-    /// Counts a message, and reports it if the cause is new for the port.
-    pub(crate) fn count(
-        &mut self,
-        (port, ros): (&String, &String),
-        reason: &str,
-        cycle: &mut Cycle<'_>,
-    ) {
-        self.count += 1;
-        let cause = (port.clone(), reason.to_owned());
-        if self.reported.len() < REPORTED && self.reported.insert(cause) {
-            let text = format!("a message between `{port}` and `{ros}` was dropped: {reason}");
-            cycle.report(NOTICE_REPORT, Datum::text(text));
-        }
-    }
 }

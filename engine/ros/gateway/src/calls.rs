@@ -9,7 +9,7 @@ use asmotion_component::{
 };
 use asmotion_datum::{Datum, DatumError, Schema, Shape};
 
-use crate::bridge::Misfits;
+use crate::misfits::Misfits;
 use crate::operation::{
     BAD_ARGUMENT, BAD_REPLY, CallProgress, MappedOperation, OperationCaller, OperationSchemas,
 };

@@ -8,6 +8,7 @@ mod bridge;
 mod calls;
 mod echo;
 mod mapped;
+mod misfits;
 mod offers;
 pub mod operation;
 mod operation_type;

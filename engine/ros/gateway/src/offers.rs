@@ -6,8 +6,8 @@ use asmotion_bridge::{Conversion, Use};
 use asmotion_component::{CallError, CallId, Cycle, Dynamic, In, Interface, Required};
 use asmotion_datum::{Datum, Schema};
 
-use crate::bridge::Misfits;
 use crate::calls::{complete, conversion};
+use crate::misfits::Misfits;
 use crate::operation::{
     CallNumber, MappedOperation, OperationSchemas, OperationServer, ServedEnd, ServedRequest,
 };
