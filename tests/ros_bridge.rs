@@ -264,6 +264,27 @@ fn r10_a_slow_subscriber_loses_the_oldest_messages() {
 }
 
 #[test]
+fn r9_fields_are_converted_by_their_units() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    const FLOAT: &str = "std_msgs/Float64";
+    let mut peer = master.rospy("/peer");
+    let mission = Mission::start(&master, "words");
+    mission.line("registered at the ROS master");
+    peer.subscribe("/radians", FLOAT);
+    peer.obey(json!(["connections", "/radians", 1]));
+    peer.advertise("/degrees", FLOAT, 1);
+    peer.publish("/degrees", FLOAT, json!({"data": 90.0}));
+    let (message, _) = peer.message("/radians");
+    let radians = message["data"].as_f64().unwrap();
+    assert!(
+        (radians - std::f64::consts::FRAC_PI_2).abs() < 1e-9,
+        "{message}"
+    );
+}
+
+#[test]
 fn bad_publishers_are_reported_and_disturb_no_other() {
     let Some(master) = Master::start() else {
         return;

@@ -1,8 +1,10 @@
-"""Provides services of std_srvs/SetBool: `~set` succeeds with `true` and raises with `false`, `~slow` takes a second.
+"""Provides services of std_srvs/SetBool: `~set` succeeds with `true` and raises with `false`, `~slow` takes a second, and
+the process ends in `~end`.
 
 Argument: name of the node. Prints each request.
 """
 
+import os
 import sys
 import time
 
@@ -24,7 +26,11 @@ def slow(request):
     return SetBoolResponse(request.data, "slow")
 
 
-services = [rospy.Service("~set", SetBool, set_flag), rospy.Service("~slow", SetBool, slow)]
+services = [
+    rospy.Service("~set", SetBool, set_flag),
+    rospy.Service("~slow", SetBool, slow),
+    rospy.Service("~end", SetBool, lambda request: os._exit(1)),
+]
 print("ready", flush=True)
 for line in sys.stdin:
     pass

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use asmotion_bus::{CallFailure, Payload, Refusal, Request, SenderId};
 use asmotion_datum::Datum;
-use asmotion_ros1::{FAILED, MISMATCH, RosError};
+use asmotion_ros1::{DIED, FAILED, MISMATCH, RosError};
 
 use asmotion_ros_master::{Master, SOON, eventually, notifier, service_type};
 
@@ -96,6 +96,23 @@ fn without_a_provider_a_call_is_unavailable_or_awaits_one() {
     let provider = master.peer("provider", &["arm"]);
     assert_eq!(provider.line(), "ready");
     assert!(pending.wait().is_ok());
+}
+
+#[test]
+fn a_provider_that_dies_during_a_call_is_a_typed_failure() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let node = master.node("/caller");
+    let provider = master.peer("provider", &["arm"]);
+    assert_eq!(provider.line(), "ready");
+    let of = service_type("std_srvs", "SetBool");
+    let client = node.node.service_client("/arm/end", of, false).unwrap();
+    let failure = client.call_and_wait(request(true, SOON)).unwrap_err();
+    let CallFailure::Refused(Refusal { code, .. }) = failure else {
+        panic!("{failure:?}");
+    };
+    assert_eq!(code, DIED);
 }
 
 #[test]
