@@ -174,11 +174,14 @@ impl FieldConverter {
     }
 
     fn unknown(&self, value: &Datum) -> String {
-        let value = match value {
-            Datum::Text(text) => text.to_string(),
-            Datum::Int(number) => number.to_string(),
-            Datum::Bool(flag) => flag.to_string(),
-            other => other.kind().to_owned(),
+        let value = if let Some(text) = value.as_text() {
+            text.to_owned()
+        } else if let Some(number) = value.as_int() {
+            number.to_string()
+        } else if let Some(flag) = value.as_bool() {
+            flag.to_string()
+        } else {
+            value.kind().to_owned()
         };
         format!("`{}`: the converter has no `{value}`", self.path.join("."))
     }
@@ -219,9 +222,10 @@ fn words_of(pairs: &[(&str, &str)]) -> Result<Meaning, ConverterError> {
 
 /// The element that the values of a list have; else the schema itself.
 fn element(schema: &Schema) -> &Schema {
-    match &schema.shape {
-        Shape::List(element) | Shape::Array(element, _) => element,
-        _ => schema,
+    if let Shape::List(element) | Shape::Array(element, _) = &schema.shape {
+        element
+    } else {
+        schema
     }
 }
 
@@ -246,7 +250,20 @@ fn field_mut<'s>(schema: &'s mut Schema, path: &[String]) -> Option<&'s mut Sche
             let found = fields.iter_mut().find(|field| *field.name == **step)?;
             field_mut(&mut found.schema, rest)
         }
-        _ => None,
+        Shape::Any
+        | Shape::Bool
+        | Shape::I8
+        | Shape::I16
+        | Shape::I32
+        | Shape::I64
+        | Shape::U8
+        | Shape::U16
+        | Shape::U32
+        | Shape::U64
+        | Shape::F32
+        | Shape::F64
+        | Shape::Text
+        | Shape::Option(_) => None,
     }
 }
 
@@ -281,7 +298,13 @@ fn change(
             Ok(Datum::List(elements.collect::<Result<_, String>>()?))
         }
         // the schema of the message refuses it
-        other => Ok(other),
+        other @ (Datum::Null
+        | Datum::Bool(_)
+        | Datum::Int(_)
+        | Datum::Float(_)
+        | Datum::Text(_)
+        | Datum::Bytes(_)
+        | Datum::Numbers(_)) => Ok(other),
     }
 }
 
