@@ -174,7 +174,7 @@ impl Ros1GoalCaller {
 
     /// Gives up the goals of a server that is silent. Should it come back, it is asked to cancel them.
     fn check_silence(&mut self) {
-        if !self.client.silence().is_some_and(|it| it > SILENCE) {
+        if self.client.silence().is_none_or(|it| it <= SILENCE) {
             return;
         }
         for (goal, call) in std::mem::take(&mut self.goals) {
