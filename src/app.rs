@@ -14,9 +14,8 @@ use asmotion_planner::MakePlanner;
 use clap::{CommandFactory, FromArgMatches, Parser};
 
 use crate::build::Build;
-use crate::command::Command;
+use crate::command::{Command, mark};
 use crate::exit::Exit;
-use crate::feature;
 use crate::mission::Mission;
 use crate::terminal::{Colour, TerminalOutput};
 use crate::transport::ConnectTransport;
@@ -226,7 +225,7 @@ impl App {
 
     fn command_line(&self) -> clap::Command {
         let added = self.commands.iter().map(RegisteredCommand::describe);
-        feature::mark(Arguments::command())
+        mark(Arguments::command())
             .name(self.name)
             .version(self.version)
             .subcommands(added)

@@ -2,55 +2,69 @@
 
 use asmotion_assembly::Make;
 use asmotion_composite::Catalogue;
-use asmotion_plan::{Component, Plan};
+use asmotion_composite::model::BuiltinComponent;
+use asmotion_datum::Word as _;
+use asmotion_plan::{Component, Implementation, Plan};
 
-/// Returns the constructor of a ros-bridge; `None` for other components, and if this build has no node of this kind.
-#[cfg(not(feature = "ros"))]
-pub(crate) fn make(_: &dyn Catalogue, _: &Component, _: &Plan) -> Option<Make> {
-    None
+use crate::feature::without_bridges;
+
+/// Returns the constructor of a ros-bridge; `None` for other components, and for bridges that no build connects. In a build without
+/// the feature it fails, and says so.
+pub(crate) fn make(catalogue: &dyn Catalogue, component: &Component, plan: &Plan) -> Option<Make> {
+    let Implementation::Builtin { name, bridge, .. } = &component.implementation else {
+        return None;
+    };
+    if *name != BuiltinComponent::RosBridge.word() {
+        return None;
+    }
+    let named = bridge.as_ref()?;
+    let bridge = plan.bridges.iter().find(|it| it.name == *named)?;
+    if let Some(left_out) = without_bridges(bridge.kind) {
+        return Some(Box::new(move |_: &mut _| Err(left_out.to_string())));
+    }
+    #[cfg(feature = "ros")]
+    {
+        with_ros::make(catalogue, component, plan, bridge)
+    }
+    #[cfg(not(feature = "ros"))]
+    {
+        let _ = (catalogue, component);
+        None
+    }
 }
 
 #[cfg(feature = "ros")]
-pub(crate) use with_ros::make;
-
-#[cfg(feature = "ros")]
 mod with_ros {
+    use std::time::Duration;
+
     use asmotion_component::Interface;
     use asmotion_component::declaration::OperationDeclaration;
     use asmotion_composite::model::{
-        BridgeKind, BuiltinComponent, Direction, Durability, PlannedMapEntry, PlannedRosEntry,
+        BridgeKind, Direction, Durability, PlannedMapEntry, PlannedRosEntry, RosReliability,
     };
-    use asmotion_datum::{Schema, Word as _};
-    use asmotion_plan::{Bridge, Implementation};
+    use asmotion_datum::Schema;
+    use asmotion_plan::Bridge;
     use asmotion_ros_gateway::{
         FieldConverter, MappedFeedback, MappedOperation, MappedTopic, Ros1Settings, Ros1Transport,
-        RosBridge, RosDirection,
+        RosBridge, RosDirection, RosTransport,
     };
 
     use super::{Catalogue, Component, Make, Plan};
     use crate::build::ros_messages;
     use crate::ros_host::own_host;
 
-    pub(crate) fn make(
+    pub(super) fn make(
         catalogue: &dyn Catalogue,
         component: &Component,
         plan: &Plan,
+        bridge: &Bridge,
     ) -> Option<Make> {
-        let Implementation::Builtin { name, bridge, .. } = &component.implementation else {
-            return None;
-        };
-        let named = bridge.as_ref()?;
-        let bridge = plan.bridges.iter().find(|it| it.name == *named)?;
-        if *name != BuiltinComponent::RosBridge.word() || bridge.kind != BridgeKind::Ros1 {
-            return None;
-        }
-        let settings = Ros1Settings {
-            node: bridge
-                .node
-                .clone()
-                .unwrap_or_else(|| node_name(component, plan)),
-            master: master(bridge),
-            host: own_host(&master(bridge)),
+        let node = bridge.node.clone();
+        let node = node.unwrap_or_else(|| node_name(component, plan));
+        let transport = match bridge.kind {
+            BridgeKind::Ros1 => Ok(ros1(node, bridge)),
+            BridgeKind::Ros2 => ros2(node, bridge),
+            BridgeKind::Rosbridge => return None,
         };
         let (mut mapped, mut operations) = (Vec::new(), Vec::new());
         for entry in &component.special.map {
@@ -66,11 +80,43 @@ mod with_ros {
             }
         }
         Some(Box::new(move |interface: &mut Interface| {
-            let transport = Ros1Transport::new(settings, ros_messages::noetic());
-            let bridge = RosBridge::new(Box::new(transport), mapped, interface)?;
+            let bridge = RosBridge::new(transport?, mapped, interface)?;
             let bridge = bridge.with_operations(operations, interface)?;
             Ok(Box::new(bridge) as Box<dyn asmotion_component::Component>)
         }))
+    }
+
+    fn ros1(node: String, bridge: &Bridge) -> Box<dyn RosTransport> {
+        let settings = Ros1Settings {
+            node,
+            master: master(bridge),
+            host: own_host(&master(bridge)),
+        };
+        Box::new(Ros1Transport::new(settings, ros_messages::noetic()))
+    }
+
+    #[cfg(feature = "ros2")]
+    fn ros2(node: String, bridge: &Bridge) -> Result<Box<dyn RosTransport>, String> {
+        use crate::ros_domain::{networks, own_domain};
+        use asmotion_ros_gateway::{Ros2Settings, Ros2Transport};
+
+        let domain = match bridge.domain {
+            // in the range of the key
+            Some(domain) => u16::try_from(domain).unwrap_or(u16::MAX),
+            None => own_domain()?,
+        };
+        let settings = Ros2Settings {
+            node,
+            domain,
+            networks: networks()?,
+        };
+        let transport = Ros2Transport::new(settings, ros_messages::jazzy());
+        Ok(Box::new(transport))
+    }
+
+    #[cfg(not(feature = "ros2"))]
+    fn ros2(_: String, _: &Bridge) -> Result<Box<dyn RosTransport>, String> {
+        Err(crate::feature::LeftOut::new::<crate::feature::Ros2>().to_string())
     }
 
     fn master(bridge: &Bridge) -> String {
@@ -109,6 +155,9 @@ mod with_ros {
             kind: entry.kind.clone(),
             queue: usize::try_from(qos.depth).unwrap_or(usize::MAX),
             is_latched: qos.durability == Durability::TransientLocal,
+            is_best_effort: qos.reliability == RosReliability::BestEffort,
+            deadline: qos.deadline_ms.map(Duration::from_millis),
+            lifespan: qos.lifespan_ms.map(Duration::from_millis),
             converters: entry
                 .convert
                 .iter()

@@ -35,11 +35,15 @@ mod top;
 mod topic;
 mod up;
 mod verify;
+mod without;
 
 pub use demo::BLOCKED_CORRIDOR;
+pub use without::mark;
 
 #[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
-use crate::feature::{self, Without};
+use crate::feature;
+#[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
+use without::Without;
 
 /// The commands for a running system.
 #[cfg(feature = "amqp")]
@@ -55,7 +59,8 @@ mod live {
 /// Replacements in a build without the feature `amqp`.
 #[cfg(not(feature = "amqp"))]
 mod live {
-    use crate::feature::{Amqp, Without};
+    use super::without::Without;
+    use crate::feature::Amqp;
 
     pub type Call = Without<Amqp>;
     pub type Component = Without<Amqp>;

@@ -1,14 +1,6 @@
 //! Cargo features of this build: the only list of all features, of their contents, and of the way to enable them.
 
-use std::ffi::OsString;
-use std::fmt;
-use std::marker::PhantomData;
-
-use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
-
-use crate::build::Build;
-use crate::exit::Exit;
-use crate::terminal::TerminalOutput;
+use asmotion_composite::model::BridgeKind;
 
 /// Part of asmotion that a build may leave out, to compile faster.
 pub trait Feature {
@@ -26,6 +18,9 @@ pub struct Http;
 
 /// ROS: the built-in `ros-bridge`, `ros types`, `ros list` and `ros echo`.
 pub struct Ros;
+
+/// ROS 2: bridges of kind `ros2`, `ros list --ros 2` and `ros echo --ros 2`.
+pub struct Ros2;
 
 /// Composites of the Service Component Architecture, and RTT's property files.
 pub struct Scdl;
@@ -51,6 +46,11 @@ impl Feature for Ros {
     const BRINGS: &'static str = "the bridge to ROS";
 }
 
+impl Feature for Ros2 {
+    const NAME: &'static str = "ros2";
+    const BRINGS: &'static str = "the bridge to ROS 2";
+}
+
 impl Feature for Scdl {
     const NAME: &'static str = "scdl";
     const BRINGS: &'static str = "the reader and writer of SCDL";
@@ -70,7 +70,7 @@ impl Feature for Tui {
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{brings} is not in this build: it needs the feature `{feature}`\n  \
-     asmotion itself: `cargo install --path . --features {feature}` adds it, `--features full` adds everything\n  \
+     asmotion itself: `cargo install --path . --features {feature}` adds it, `--features full,ros2` adds everything\n  \
      a program of your own: `cargo run --features {feature} -- …`, with `{feature} = [\"asmotion/{feature}\"]` in the \
      `[features]` of its Cargo.toml"
 )]
@@ -85,108 +85,26 @@ impl LeftOut {
         let (brings, feature) = (F::BRINGS, F::NAME);
         Self { brings, feature }
     }
-}
 
-/// Replaces a command that needs the feature `F`: accepts any arguments, and explains how to get the feature.
-pub struct Without<F>(PhantomData<F>);
-
-impl<F: Feature> Without<F> {
-    /// Prints the error.
-    pub fn run(self, _: &Build, terminal: &mut TerminalOutput) -> Exit {
-        terminal.error(LeftOut::new::<F>());
-        Exit::Usage
+    /// The way to the feature, on one line.
+    pub fn way(&self) -> String {
+        let feature = self.feature;
+        format!("install a build that connects it: `cargo install --path . --features {feature}`")
     }
 }
 
-/// Name of the argument by which [`mark`] recognises a replaced command; its help text is the feature's name.
-const ANYTHING: &str = "anything";
-
-impl<F: Feature> Args for Without<F> {
-    fn augment_args(command: Command) -> Command {
-        let anything = Arg::new(ANYTHING)
-            .help(F::NAME)
-            .value_parser(clap::value_parser!(OsString))
-            .num_args(0..)
-            .trailing_var_arg(true)
-            .allow_hyphen_values(true)
-            .hide(true);
-        command.disable_help_flag(true).arg(anything)
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl<F> FromArgMatches for Without<F> {
-    fn from_arg_matches(_: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Self(PhantomData))
-    }
-
-    fn update_from_arg_matches(&mut self, _: &ArgMatches) -> Result<(), clap::Error> {
-        Ok(())
-    }
-}
-
-/// Marks the commands whose feature is missing in the list of `--help`.
-pub fn mark(mut command: Command) -> Command {
-    for subcommand in command.get_subcommands_mut() {
-        let stands_in = |argument: &&Arg| argument.get_id() == ANYTHING;
-        let feature = subcommand.get_arguments().find(stands_in);
-        let Some(feature) = feature.and_then(Arg::get_help).map(ToString::to_string) else {
-            continue;
-        };
-        let about = subcommand.get_about().map(ToString::to_string);
-        let about = about.unwrap_or_default();
-        let marked = std::mem::take(subcommand);
-        *subcommand = marked.about(format!("{about} [needs the feature `{feature}`]"));
-    }
-    command
-}
-
-impl<F: Feature> fmt::Debug for Without<F> {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(to, "Without<{}>", F::NAME)
+/// The missing feature that connects bridges of a kind; `None` if this build connects them, or none can.
+pub fn without_bridges(kind: BridgeKind) -> Option<LeftOut> {
+    match kind {
+        BridgeKind::Ros1 => (!cfg!(feature = "ros")).then(LeftOut::new::<Ros>),
+        BridgeKind::Ros2 => (!cfg!(feature = "ros2")).then(LeftOut::new::<Ros2>),
+        BridgeKind::Rosbridge => None,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::{CommandFactory, Parser};
-
-    #[derive(Debug, Parser)]
-    #[command(name = "asmotion")]
-    enum Line {
-        /// Shows topics
-        Topic(Without<Amqp>),
-        /// Is always there
-        Check,
-    }
-
-    #[test]
-    fn a_command_that_was_left_out_takes_any_arguments() {
-        for line in [
-            "asmotion topic",
-            "asmotion topic list --bus amqp://h",
-            "asmotion topic --help",
-            "asmotion topic pub cmd_vel {x=1} -- --json -q",
-        ] {
-            let read = Line::try_parse_from(line.split(' '));
-            assert!(matches!(read, Ok(Line::Topic(_))), "{line}: {read:?}");
-        }
-        assert!(Line::try_parse_from(["asmotion", "check", "--bus"]).is_err());
-    }
-
-    #[test]
-    fn it_is_marked_where_commands_are_listed() {
-        let help = mark(Line::command()).render_help().to_string();
-        assert!(
-            help.contains("Shows topics [needs the feature `amqp`]"),
-            "{help}"
-        );
-        assert!(help.contains("Is always there\n"), "{help}");
-    }
 
     #[test]
     fn what_is_missing_says_how_to_get_it() {
@@ -201,6 +119,11 @@ mod tests {
         }
         let said = LeftOut::new::<Symbolic>().to_string();
         assert!(said.starts_with("the symbolic engine of `verify` is not in this build"));
+        let way = LeftOut::new::<Ros2>().way();
+        assert!(
+            way.ends_with("`cargo install --path . --features ros2`"),
+            "{way}"
+        );
         assert!(
             said.contains("cargo install --path . --features symbolic`"),
             "{said}"

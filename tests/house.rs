@@ -36,6 +36,7 @@ const FLOORS: &[&[&str]] = &[
         "asmotion-amqp",
         "asmotion-gateway",
         "asmotion-port",
+        "asmotion-ros-domain",
         "asmotion-ros1",
         "asmotion-ros2",
     ],

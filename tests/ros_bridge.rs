@@ -13,7 +13,7 @@ fn composite(folder: &str, name: &str) -> PathBuf {
 }
 
 /// A running composite, with the lines of its story and of its summary.
-pub(crate) struct Mission {
+pub struct Mission {
     child: Child,
     lines: Receiver<String>,
 }
@@ -30,7 +30,13 @@ impl Mission {
             .arg("run")
             .arg(composite(folder, name))
             .args(["--clock", "wall", "--for", "120"])
-            .env("ROS_MASTER_URI", master.uri())
+            .env("ROS_MASTER_URI", master.uri());
+        Self::spawn(command)
+    }
+
+    /// Starts a command that prints a story.
+    pub fn spawn(mut command: Command) -> Self {
+        command
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
@@ -48,7 +54,7 @@ impl Mission {
     }
 
     /// The next line of the story with this text.
-    pub(crate) fn line(&self, text: &str) -> String {
+    pub fn line(&self, text: &str) -> String {
         let mut before = Vec::new();
         loop {
             match self.lines.recv_timeout(SOON) {

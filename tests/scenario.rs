@@ -104,6 +104,7 @@ fn our_own_specifications_keep_their_scenarios() {
     let tested = [
         "allocation",
         "estop",
+        "nav2",
         "navigation",
         "patrol",
         "recovery",

@@ -9,6 +9,8 @@ use asmotion_composite::model::{BridgeKind, BuiltinComponent};
 use asmotion_composite::{Catalogue, ComponentFactory, RosMessages};
 use asmotion_datum::{Schema, Shape};
 
+use crate::feature::without_bridges;
+
 /// Components, messages and service interfaces by name, in order of registration.
 ///
 /// A component brings the types of its ports and the operations of its services and references with it.
@@ -190,6 +192,10 @@ impl Catalogue for BuildCatalogue {
     #[cfg(not(feature = "ros"))]
     fn ros(&self, _: BridgeKind) -> Option<&dyn RosMessages> {
         None
+    }
+
+    fn way_to_bridges(&self, kind: BridgeKind) -> Option<String> {
+        without_bridges(kind).map(|it| it.way())
     }
 
     fn messages(&self) -> Vec<String> {

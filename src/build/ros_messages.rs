@@ -14,27 +14,38 @@ static NOETIC: LazyLock<Arc<Catalogue>> =
     LazyLock::new(|| Arc::new(Catalogue::included(Distribution::Ros1)));
 
 /// The definitions of ROS 2, read once.
-static JAZZY: LazyLock<Catalogue> = LazyLock::new(|| Catalogue::included(Distribution::Ros2));
+static JAZZY: LazyLock<Arc<Catalogue>> =
+    LazyLock::new(|| Arc::new(Catalogue::included(Distribution::Ros2)));
 
 /// The definitions of ROS 1.
 pub(crate) fn noetic() -> Arc<Catalogue> {
     Arc::clone(&NOETIC)
 }
 
+/// The definitions of ROS 2.
+#[cfg(feature = "ros2")]
+pub(crate) fn jazzy() -> Arc<Catalogue> {
+    Arc::clone(&JAZZY)
+}
+
 /// The message types for bridges of a kind; `None` if this build does not connect them.
 pub(super) fn of(kind: BridgeKind) -> Option<&'static dyn RosMessages> {
     match kind {
-        BridgeKind::Ros1 => Some(&Noetic),
+        BridgeKind::Ros1 => Some(&ROS_1),
+        BridgeKind::Ros2 if cfg!(feature = "ros2") => Some(&ROS_2),
         BridgeKind::Ros2 | BridgeKind::Rosbridge => None,
     }
 }
 
-/// The message types of ROS 1.
-struct Noetic;
+/// The message types of a generation of ROS.
+struct Definitions(&'static LazyLock<Arc<Catalogue>>);
 
-impl RosMessages for Noetic {
+static ROS_1: Definitions = Definitions(&NOETIC);
+static ROS_2: Definitions = Definitions(&JAZZY);
+
+impl RosMessages for Definitions {
     fn names(&self) -> Vec<String> {
-        let all = NOETIC.interfaces();
+        let all = self.0.interfaces();
         let messages = all.filter(|(name, _)| name.kind() == InterfaceKind::Message);
         messages.map(|(name, _)| name.short()).collect()
     }
@@ -42,8 +53,8 @@ impl RosMessages for Noetic {
     fn find(&self, name: &str) -> Option<RosMessage> {
         let name = name.parse().ok()?;
         Some(RosMessage {
-            schema: NOETIC.common_schema(&name).ok()?,
-            definition: NOETIC.interface(&name).ok()?.to_string(),
+            schema: self.0.common_schema(&name).ok()?,
+            definition: self.0.interface(&name).ok()?.to_string(),
         })
     }
 
@@ -52,26 +63,26 @@ impl RosMessages for Noetic {
     }
 }
 
-impl RosOperations for Noetic {
+impl RosOperations for Definitions {
     fn names(&self) -> Vec<String> {
-        OperationType::names(&NOETIC)
+        OperationType::names(self.0)
     }
 
     fn find(&self, name: &str) -> Option<RosOperation> {
-        let found = OperationType::find(&NOETIC, name)?;
-        let schemas = found.common_schemas(&NOETIC).ok()?;
+        let found = OperationType::find(self.0, name)?;
+        let schemas = found.common_schemas(self.0).ok()?;
         Some(RosOperation {
             request: schemas.request,
             response: schemas.response,
             feedback: schemas.feedback,
-            definition: found.definition(&NOETIC).ok()?,
+            definition: found.definition(self.0).ok()?,
         })
     }
 }
 
 /// The operations of an interface that is a service or an action of ROS: as in ROS 2, or else as in ROS 1.
 pub(super) fn operations(interface: &str) -> Option<Vec<OperationDeclaration>> {
-    let in_both = [&*JAZZY, &**NOETIC].into_iter();
+    let in_both = [&JAZZY, &NOETIC].into_iter();
     in_both
         .filter_map(|catalogue| {
             let found = OperationType::find(catalogue, interface)?;
@@ -83,7 +94,7 @@ pub(super) fn operations(interface: &str) -> Option<Vec<OperationDeclaration>> {
 /// The schema of a message type that only ROS defines, for topics of composites: as in ROS 2, or else as in ROS 1.
 pub(super) fn schema(name: &str) -> Option<Schema> {
     let name = name.parse().ok()?;
-    let in_both = [&*JAZZY, &**NOETIC].into_iter();
+    let in_both = [&JAZZY, &NOETIC].into_iter();
     in_both
         .filter_map(|catalogue| catalogue.common_schema(&name).ok())
         .next()

@@ -1,18 +1,28 @@
 //! `asmotion ros`: what other robots speak, and what they say.
 
+mod domain;
 mod echo;
+mod generation;
+#[cfg(not(feature = "ros2"))]
+mod left_out;
 mod list;
+mod master;
+mod printed;
+#[cfg(feature = "ros2")]
+mod ros2_echo;
+#[cfg(feature = "ros2")]
+mod ros2_list;
 mod types;
 
-use asmotion_ros1::{RosError, RosNode, RosSettings, RosUri, RosUriError};
 use clap::{Args, Subcommand};
+#[cfg(not(feature = "ros2"))]
+use left_out::{ros2_echo, ros2_list};
 
 use crate::build::Build;
 use crate::exit::Exit;
-use crate::ros_host::own_host;
 use crate::terminal::TerminalOutput;
 
-/// Shows the interfaces of ROS, and nodes and topics of a running system of ROS 1.
+/// Shows the interfaces of ROS, and nodes and topics of a running system.
 #[derive(Args)]
 pub struct Ros {
     #[command(subcommand)]
@@ -23,45 +33,10 @@ pub struct Ros {
 enum RosCommand {
     /// Lists messages, services and actions, or shows one with what peers compare: an MD5 sum or a type hash
     Types(types::Types),
-    /// Lists the nodes, topics and services that a master of ROS 1 knows
+    /// Lists the nodes, topics and services that a master of ROS 1 knows, or that are in a domain of ROS 2
     List(list::RosList),
-    /// Prints the messages of a topic of ROS 1
+    /// Prints the messages of a topic
     Echo(echo::RosEcho),
-}
-
-/// The master of ROS 1.
-#[derive(Args)]
-struct MasterArguments {
-    /// Address of the master [default: the environment variable `ROS_MASTER_URI`, or `http://localhost:11311`]
-    #[arg(long, value_name = "URI")]
-    master: Option<String>,
-
-    /// Host or address at which nodes reach this machine [default: `ROS_HOSTNAME` or `ROS_IP`, or the address on the way to the master]
-    #[arg(long, value_name = "HOST")]
-    host: Option<String>,
-}
-
-/// Why there is no node.
-#[derive(Debug, thiserror::Error)]
-enum NoNode {
-    #[error(transparent)]
-    Master(#[from] RosUriError),
-    #[error(transparent)]
-    Node(#[from] RosError),
-}
-
-impl MasterArguments {
-    /// Starts a node for the time of a command.
-    fn node(self) -> Result<RosNode, NoNode> {
-        let variable = |name| std::env::var(name).ok().filter(|it| !it.is_empty());
-        let mut settings = RosSettings::new(format!("/asmotion_{}", std::process::id()));
-        if let Some(master) = self.master.or_else(|| variable("ROS_MASTER_URI")) {
-            settings.master = master.parse::<RosUri>()?;
-        }
-        let master = settings.master.to_string();
-        settings.host = self.host.unwrap_or_else(|| own_host(&master));
-        Ok(RosNode::start(settings)?)
-    }
 }
 
 impl Ros {

@@ -6,6 +6,7 @@ use super::{NAVIGATION, PATROL, file, run};
 fn what_ships_has_no_findings() {
     let files: Vec<String> = [
         "navigation",
+        "nav2",
         "allocation",
         "patrol",
         "recovery",

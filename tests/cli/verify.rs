@@ -19,6 +19,7 @@ fn every_specification_of_the_repository_that_can_be_verified_is_correct() {
     for name in [
         "allocation",
         "estop",
+        "nav2",
         "navigation",
         "patrol",
         "recovery",
@@ -27,6 +28,7 @@ fn every_specification_of_the_repository_that_can_be_verified_is_correct() {
         let folder = format!("specs/{name}");
         let specification = match name {
             "navigation" => "navigate",
+            "nav2" => "navigate_to_pose",
             name => name,
         };
         let (exit, out, err) = run(&["verify", &format!("{folder}/{specification}.asm")]);

@@ -96,6 +96,9 @@ pub trait Catalogue {
     /// Returns the message types of ROS for bridges of a kind; `None` if the executable cannot connect such bridges.
     fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages>;
 
+    /// Returns the way to an executable that connects bridges of a kind; `None` if this one does, or none can.
+    fn way_to_bridges(&self, kind: BridgeKind) -> Option<String>;
+
     /// Names of all message types.
     fn messages(&self) -> Vec<String>;
 
@@ -153,6 +156,10 @@ impl Catalogue for Tables {
 
     fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
         Some(self.ros?(kind)? as &dyn RosMessages)
+    }
+
+    fn way_to_bridges(&self, _: BridgeKind) -> Option<String> {
+        None
     }
 
     fn messages(&self) -> Vec<String> {

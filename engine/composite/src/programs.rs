@@ -183,6 +183,10 @@ impl Catalogue for ExtendedCatalogue<'_> {
         self.base.ros(kind)
     }
 
+    fn way_to_bridges(&self, kind: BridgeKind) -> Option<String> {
+        self.base.way_to_bridges(kind)
+    }
+
     fn messages(&self) -> Vec<String> {
         let own = self.messages.keys().cloned();
         self.base.messages().into_iter().chain(own).collect()

@@ -1,4 +1,4 @@
-//! `asmotion ros echo`: prints the messages of a topic of ROS 1.
+//! `asmotion ros echo`: prints the messages of a topic.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -8,7 +8,10 @@ use asmotion_datum::Datum;
 use clap::Args;
 use serde_json::json;
 
-use super::MasterArguments;
+use super::domain::DomainArguments;
+use super::generation::Generation;
+use super::master::MasterArguments;
+use super::printed::Printed;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 
@@ -20,25 +23,35 @@ pub struct RosEcho {
     /// Name of the topic, `/odom`; its type is that of its publisher
     topic: String,
 
+    /// Generation of ROS
+    #[arg(long, value_enum, default_value_t = Generation::One)]
+    ros: Generation,
+
     #[command(flatten)]
     master: MasterArguments,
 
-    /// Ends after this many messages
-    #[arg(long)]
-    count: Option<u64>,
+    #[command(flatten)]
+    domain: DomainArguments,
 
-    /// Ends after this many seconds
-    #[arg(long = "for", value_name = "SECONDS", default_value_t = 60)]
-    limit: u64,
-
-    /// Prints each message as a JSON object on a line
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    printed: Printed,
 }
 
 impl RosEcho {
     /// Prints each message on a line. Receiving none is a finding; a master that does not answer is a usage error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        if let Err(error) = self.domain.check(self.ros, &self.master) {
+            terminal.error(error);
+            return Exit::Usage;
+        }
+        if self.ros == Generation::Two {
+            return super::ros2_echo::run(&self.topic, &self.domain, &self.printed, terminal);
+        }
+        self.of_master(terminal)
+    }
+
+    /// Prints the messages of a topic of ROS 1.
+    fn of_master(self, terminal: &mut TerminalOutput) -> Exit {
         let node = match self.master.node() {
             Ok(node) => node,
             Err(error) => {
@@ -69,20 +82,20 @@ impl RosEcho {
         let known = graph.topics.iter();
         let mut known = known.filter(|(_, topic)| !topic.publishers.is_empty());
         if !known.any(|(topic, _)| topic.trim_start_matches('/') == name) {
-            let limit = self.limit;
+            let limit = self.printed.limit;
             terminal.warn(format_args!(
                 "no node publishes `/{name}`; waiting for {limit} s (`asmotion ros list` shows the topics)"
             ));
         }
-        let until = Instant::now() + Duration::from_secs(self.limit);
+        let until = Instant::now() + Duration::from_secs(self.printed.limit);
         let mut count = 0;
-        while self.count.is_none_or(|max| count < max) {
+        while self.printed.count.is_none_or(|max| count < max) {
             let remaining = until.saturating_duration_since(Instant::now());
             let Some(envelope) = subscription.next_within(remaining) else {
                 break;
             };
             count += 1;
-            terminal.result(line(&envelope, self.json));
+            terminal.result(line(&envelope, self.printed.json));
         }
         if subscription.dropped() > 0 {
             let dropped = subscription.dropped();
@@ -95,7 +108,7 @@ impl RosEcho {
         }
         terminal.warn(format_args!(
             "no message on `/{name}` within {} s",
-            self.limit
+            self.printed.limit
         ));
         Exit::Findings
     }

@@ -1,18 +1,31 @@
-//! `asmotion ros list`: what a master of ROS 1 knows.
+//! `asmotion ros list`: what a master of ROS 1 knows, or what is in a domain of ROS 2.
 
 use asmotion_ros1::RosGraph;
 use clap::Args;
 use serde_json::json;
 
-use super::MasterArguments;
+use super::domain::DomainArguments;
+use super::generation::Generation;
+use super::master::MasterArguments;
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::TerminalOutput;
 
 #[derive(Args)]
 pub struct RosList {
+    /// Generation of ROS
+    #[arg(long, value_enum, default_value_t = Generation::One)]
+    ros: Generation,
+
     #[command(flatten)]
     master: MasterArguments,
+
+    #[command(flatten)]
+    domain: DomainArguments,
+
+    /// ROS 2: time in which nodes are discovered
+    #[arg(long = "for", value_name = "SECONDS", default_value_t = 2)]
+    limit: u64,
 
     /// Prints a JSON object
     #[arg(long)]
@@ -22,6 +35,14 @@ pub struct RosList {
 impl RosList {
     /// Prints nodes, topics and services. A master that does not answer is a usage error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
+        if let Err(error) = self.domain.check(self.ros, &self.master) {
+            terminal.error(error);
+            return Exit::Usage;
+        }
+        if self.ros == Generation::Two {
+            let time = std::time::Duration::from_secs(self.limit);
+            return super::ros2_list::run(&self.domain, time, self.json, terminal);
+        }
         let graph = match self.master.node() {
             Ok(node) => node.graph(),
             Err(error) => {

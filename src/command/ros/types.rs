@@ -8,9 +8,10 @@ use asmotion_messages::MESSAGES;
 use asmotion_ros_interface::{
     Catalogue, DefinitionError, Distribution, Interface, InterfaceKind, InterfaceName,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 
+use super::generation::Generation;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 
@@ -30,16 +31,6 @@ pub struct Types {
     /// Prints a JSON object for each interface, on a line of its own
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Generation {
-    /// ROS 1, as of Noetic
-    #[value(name = "1")]
-    One,
-    /// ROS 2, as of Jazzy
-    #[value(name = "2")]
-    Two,
 }
 
 impl Types {

@@ -394,7 +394,7 @@ fn unsupported(key: &'static str, value: Option<&At<String>>, report: &mut Repor
         report.found(UnsupportedKey {
             key,
             at: value.span,
-            instead: OUTSIDE,
+            instead: OUTSIDE.into(),
         });
     }
 }

@@ -67,7 +67,8 @@ fn record(deploy: &Deploy, topics: &Topics, report: &mut Report) {
         report.found(UnsupportedKey {
             key: "record",
             at: record.span,
-            instead: "record ports and topics with `asmotion run --record FILE --ports NAME`",
+            instead: "record ports and topics with `asmotion run --record FILE --ports NAME`"
+                .into(),
         });
     }
     let recorded = deploy.record.iter().flat_map(|record| &record.topics);

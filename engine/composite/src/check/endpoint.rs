@@ -13,11 +13,14 @@ use crate::model::{Bridge, BridgeKind, Implementation};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
-        if scene.catalogue.ros(bridge.kind.value).is_none() {
+        let kind = bridge.kind.value;
+        if scene.catalogue.ros(kind).is_none() {
+            let way = scene.catalogue.way_to_bridges(kind);
+            let own = "connect to ROS with a program of its own on the broker (docs/wire.md)";
             report.found(UnsupportedKey {
                 key: "bridges",
                 at: bridge.name.span,
-                instead: "connect to ROS with a program of its own on the broker (docs/wire.md)",
+                instead: way.map_or(own.into(), Into::into),
             });
         }
         if !is_used(scene, bridge) {
@@ -27,7 +30,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
             });
         }
         if let Some(node) = &bridge.node {
-            check_name(node, report);
+            check_name(node, kind, report);
         }
         check_keys(bridge, report);
     }

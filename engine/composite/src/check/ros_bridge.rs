@@ -12,6 +12,7 @@ use super::endpoints::TypeAt;
 use super::ros_operation;
 use super::scene::CheckedComposite;
 use crate::at::At;
+use crate::codes::c048::IdleKey;
 use crate::codes::c122::PortNotListed;
 use crate::codes::c123::{PortTypeDiffers, RosDifference};
 use crate::codes::c170::UnknownRosType;
@@ -46,12 +47,13 @@ pub(super) fn check(
         let MapEntry::Ros(entry) = entry else {
             continue;
         };
-        check_name(&entry.ros, report);
+        check_name(&entry.ros, bridge.kind.value, report);
         if operation_of(entry).is_some() {
             ros_operation::check_entry(scene, component, bridge.kind.value, entry, report);
             continue;
         }
         ros_operation::only_for_actions(entry, "belongs to actions", report);
+        check_qos(entry, bridge.kind.value, report);
         check_entry(scene, component, bridge.kind.value, entry, report);
         if entry.direction.value == Direction::ToRos
             && let Some(first) = published.insert(&entry.ros, entry)
@@ -100,6 +102,33 @@ fn check_entry(
             at: entry.from.span,
         }),
         Some(listed) => check_types(scene, kind, entry, listed, report),
+    }
+}
+
+/// Reports policies without effect: ROS 1 has depth and durability only, and messages expire where they are sent.
+fn check_qos(entry: &RosEntry, kind: BridgeKind, report: &mut Report) {
+    let Some(qos) = &entry.qos else {
+        return;
+    };
+    let reliability = qos.reliability.as_ref().map(|it| it.span);
+    let deadline = qos.deadline_ms.as_ref().map(|it| it.span);
+    let lifespan = qos.lifespan_ms.as_ref().map(|it| it.span);
+    let policies = [
+        ("reliability", reliability),
+        ("deadline_ms", deadline),
+        ("lifespan_ms", lifespan),
+    ];
+    for (key, at) in policies {
+        let reason = match (kind, entry.direction.value) {
+            (BridgeKind::Ros1 | BridgeKind::Rosbridge, _) => "only ROS 2 has this policy",
+            (BridgeKind::Ros2, Direction::FromRos) if key == "lifespan_ms" => {
+                "the publisher in ROS decides when its messages expire"
+            }
+            (BridgeKind::Ros2, Direction::ToRos | Direction::FromRos) => continue,
+        };
+        if let Some(at) = at {
+            report.found(IdleKey { key, at, reason });
+        }
     }
 }
 
@@ -174,9 +203,11 @@ pub(super) fn definition(schema: &Schema) -> String {
     lines.collect()
 }
 
-/// Reports a text that is not a name in ROS.
-pub(super) fn check_name(name: &At<String>, report: &mut Report) {
-    if !is_name(name) {
+/// Reports a text that is not a name in ROS of this generation.
+pub(super) fn check_name(name: &At<String>, kind: BridgeKind, report: &mut Report) {
+    // a name of ROS 2 becomes one of DDS, where two underscores are a separator
+    let is_separated = kind == BridgeKind::Ros2 && name.contains("__");
+    if !is_name(name) || is_separated {
         report.found(InvalidRosName {
             name: name.value.clone(),
             at: name.span,

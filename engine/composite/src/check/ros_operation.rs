@@ -50,7 +50,7 @@ pub(super) fn check_entry(
         report.found(UnsupportedKey {
             key: "map",
             at: entry.from.span,
-            instead: "this bridge connects topics: join services with a program of its own",
+            instead: "this bridge connects topics: join services with a program of its own".into(),
         });
         return;
     };

@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Key not supported by this version
@@ -66,13 +68,13 @@ pub(crate) struct UnsupportedKey {
     pub key: &'static str,
     pub at: Span,
     /// Way out without the key.
-    pub instead: &'static str,
+    pub instead: Cow<'static, str>,
 }
 
 impl Finding for UnsupportedKey {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "has no effect")
-            .help(self.instead)
+            .help(self.instead.clone())
     }
 }

@@ -60,8 +60,13 @@ pub(crate) struct InvalidRosName {
 
 impl Finding for InvalidRosName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let help = if self.name.contains("__") {
+            "separate words with one underscore: ROS 2 permits no more"
+        } else {
+            "use letters, digits, `_` and `/`, as in `/arm/joint_states`"
+        };
         diagnostic
             .label(self.at, "a name in ROS is expected")
-            .help("use letters, digits, `_` and `/`, as in `/arm/joint_states`")
+            .help(help)
     }
 }

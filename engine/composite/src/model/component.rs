@@ -287,9 +287,31 @@ pub struct RosQos {
     /// Number of messages that wait for a subscriber; then the oldest one is dropped and counted.
     #[key(range = 1..=100_000, default = 10)]
     pub depth: Option<At<u64>>,
-    /// Messages for subscribers that join later.
+    /// Messages for subscribers that join later. In ROS 2, a subscriber that asks for them receives nothing from a publisher
+    /// without them.
     #[key(default)]
     pub durability: Option<At<Durability>>,
+    /// ROS 2: repetition of lost messages. A `reliable` subscriber receives nothing from a `best_effort` publisher, such as
+    /// many drivers of sensors.
+    #[key(default)]
+    pub reliability: Option<At<RosReliability>>,
+    /// ROS 2: longest time between two messages, which is offered to subscribers, or requested from publishers. Nothing is
+    /// received from a publisher that offers a longer one, and a gap that is longer is reported.
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub deadline_ms: Option<At<u64>>,
+    /// ROS 2, direction `to_ros`: age at which peers no longer deliver a message.
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub lifespan_ms: Option<At<u64>>,
+}
+
+/// Repetition of lost messages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
+pub enum RosReliability {
+    /// A lost message is sent again.
+    #[default]
+    Reliable,
+    /// A lost message stays lost.
+    BestEffort,
 }
 
 /// Messages of a topic for subscribers that join later.

@@ -110,13 +110,13 @@ pub struct Bridge {
     /// ROS 1: address of roscore.
     #[key(example = "\"http://127.0.0.1:11311\"")]
     pub master: Option<At<Template>>,
-    /// ROS 2: domain ID.
+    /// ROS 2: domain ID; by default that of the environment variable `ROS_DOMAIN_ID`, or 0.
     #[key(range = 0..=232)]
     pub domain: Option<At<u64>>,
     /// rosbridge: address of the server.
     #[key(example = "\"ws://127.0.0.1:9090\"")]
     pub url: Option<At<Template>>,
-    /// Node name in ROS.
+    /// Node name in ROS, with its namespace. By default it consists of the names of the composite and of the component.
     #[key(example = "\"/composite_bridge\"")]
     pub node: Option<At<String>>,
 }

@@ -8,7 +8,9 @@ use asmotion_datum::{Codec, Word};
 use serde_json::{Value as Json, json};
 use toml_edit::Value as Toml;
 
-use super::component::{Busy, Condition, Direction, Durability, MessagePath, ProxyMode};
+use super::component::{
+    Busy, Condition, Direction, Durability, MessagePath, ProxyMode, RosReliability,
+};
 use super::deploy::RestartPolicy;
 use super::end_text;
 use super::endpoint::{Address, BridgeKind, Tls};
@@ -61,7 +63,7 @@ macro_rules! words {
 
 words! {
     BridgeKind BuiltinComponent Busy Cancel Codec Delivery Direction Durability ConnectionType Lock OnDeadline OnException OnStale Outage Overrun
-    ProxyMode PublishWhen Receive RestartPolicy Scheduler Sharing Tls Transport
+    ProxyMode PublishWhen Receive RestartPolicy RosReliability Scheduler Sharing Tls Transport
 }
 
 /// Documents the words, below the documentation of their key.

@@ -113,7 +113,11 @@ impl Catalogue for SmallBuild {
     }
 
     fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
-        (kind == BridgeKind::Ros1).then_some(self)
+        (kind != BridgeKind::Rosbridge).then_some(self)
+    }
+
+    fn way_to_bridges(&self, _: BridgeKind) -> Option<String> {
+        None
     }
 
     fn messages(&self) -> Vec<String> {

@@ -247,10 +247,9 @@ impl Component for RosBridge {
         Ok(())
     }
 
-    fn stop(&mut self, cycle: &mut Cycle<'_>) {
-        // the last samples, such as safe samples of the components before it
+    fn stop(&mut self, _: &mut Cycle<'_>) {
+        // the final cycle has sent the last samples
         if let Some(mut open) = self.open.take() {
-            self.send_samples(&mut open, cycle);
             for (called, caller) in self.calls.iter_mut().zip(&mut open.callers) {
                 called.cancel_all(&mut **caller);
             }

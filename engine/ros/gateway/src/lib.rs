@@ -9,11 +9,16 @@ mod calls;
 mod echo;
 mod mapped;
 mod misfits;
+mod notices;
 mod offers;
 pub mod operation;
 mod operation_type;
 mod ros1;
 mod ros1_operations;
+#[cfg(feature = "ros2")]
+mod ros2;
+#[cfg(feature = "ros2")]
+mod ros2_operations;
 mod transport;
 
 pub use asmotion_bridge::FieldConverter;
@@ -22,4 +27,6 @@ pub use mapped::{MappedTopic, RosDirection};
 pub use operation::{MappedFeedback, MappedOperation, OperationSchemas};
 pub use operation_type::{CALL, CANCEL, OperationKind, OperationType};
 pub use ros1::{Ros1Settings, Ros1Transport};
+#[cfg(feature = "ros2")]
+pub use ros2::{Ros2Settings, Ros2Transport};
 pub use transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};

@@ -1,5 +1,7 @@
 //! A topic of a composite and a topic of ROS that a bridge joins.
 
+use std::time::Duration;
+
 use asmotion_bridge::FieldConverter;
 use asmotion_datum::Schema;
 
@@ -20,6 +22,12 @@ pub struct MappedTopic {
     pub queue: usize,
     /// `true` to send the last message to subscribers in ROS that join later.
     pub is_latched: bool,
+    /// ROS 2: `true` for messages that are not repeated when they are lost.
+    pub is_best_effort: bool,
+    /// ROS 2: longest time between two messages.
+    pub deadline: Option<Duration>,
+    /// ROS 2: age at which messages are no longer delivered.
+    pub lifespan: Option<Duration>,
     /// Converters of fields, in their order.
     pub converters: Vec<FieldConverter>,
     /// Direction of the messages.

@@ -56,6 +56,15 @@ impl OperationType {
         Some(Self { name, kind })
     }
 
+    /// Finds a type, as [`find`](Self::find).
+    ///
+    /// # Errors
+    /// It is not defined; the text says so.
+    pub fn known(catalogue: &Catalogue, text: &str) -> Result<Self, String> {
+        let found = Self::find(catalogue, text);
+        found.ok_or_else(|| format!("`{text}` is neither a service nor an action that is defined"))
+    }
+
     /// The names of all types of a catalogue: short, except where a service and an action have the same.
     pub fn names(catalogue: &Catalogue) -> Vec<String> {
         let mut names = Vec::new();

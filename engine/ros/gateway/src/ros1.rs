@@ -1,7 +1,6 @@
 //! Nodes of ROS 1.
 
-use std::collections::BTreeSet;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use asmotion_bus::{Notifier, Overflow, QueuePolicy, Subscription};
 use asmotion_component::Losses;
@@ -10,6 +9,7 @@ use asmotion_ros_interface::Catalogue;
 use asmotion_ros1::{ActionType, RosNotice, RosSettings, RosUri, ServiceType, TopicType};
 
 use crate::mapped::MappedTopic;
+use crate::notices::Notices;
 use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
 use crate::operation_type::{OperationKind, OperationType};
 use crate::ros1_operations::{
@@ -51,18 +51,13 @@ fn topic_type(catalogue: &Catalogue, kind: &str) -> Result<TopicType, String> {
 }
 
 /// The type of a service or an action.
-fn operation_type(catalogue: &Catalogue, kind: &str) -> Result<OperationType, String> {
-    let found = OperationType::find(catalogue, kind);
-    found.ok_or_else(|| format!("`{kind}` is neither a service nor an action of ROS 1"))
-}
-
 impl RosTransport for Ros1Transport {
     fn schema(&self, kind: &str) -> Result<Schema, String> {
         topic_type(&self.catalogue, kind).map(|of| (*of.schema).clone())
     }
 
     fn operation(&self, kind: &str) -> Result<OperationSchemas, String> {
-        let of = operation_type(&self.catalogue, kind)?;
+        let of = OperationType::known(&self.catalogue, kind)?;
         of.schemas(&self.catalogue)
             .map_err(|error| error.to_string())
     }
@@ -76,7 +71,10 @@ impl RosTransport for Ros1Transport {
             master,
             host: host.clone(),
             notices: Arc::new(move |notice| {
-                if kept.keep(notice) {
+                if matches!(notice, RosNotice::Registered { .. }) {
+                    kept.forget();
+                }
+                if kept.keep(notice.to_string()) {
                     woken();
                 }
             }),
@@ -148,7 +146,7 @@ impl RosConnection for Ros1Connection {
                 Box::new(Ros1ServiceServer::new(node, &of.ros, kind, notifier)?)
             }
             EndpointType::Action(kind) => {
-                let found = operation_type(&self.catalogue, &of.kind)?;
+                let found = OperationType::known(&self.catalogue, &of.kind)?;
                 let schemas = found.schemas(&self.catalogue);
                 let schemas = schemas.map_err(|error| error.to_string())?;
                 let result = &schemas.response;
@@ -176,7 +174,7 @@ impl Ros1Connection {
     }
 
     fn endpoint_type(&self, of: &MappedOperation) -> Result<EndpointType, String> {
-        let found = operation_type(&self.catalogue, &of.kind)?;
+        let found = OperationType::known(&self.catalogue, &of.kind)?;
         Ok(match found.kind {
             OperationKind::Service => {
                 let kind = ServiceType::of(&self.catalogue, &found.name);
@@ -229,40 +227,5 @@ impl MessageReceiver for Ros1Receiver {
             dropped: self.subscription.dropped(),
             misfits: counts.ok().flatten().map_or(0, |counts| counts.unreadable),
         }
-    }
-}
-
-/// Events of the node that the bridge has not reported, and the causes that it has.
-#[derive(Default)]
-struct Notices(Mutex<KeptNotices>);
-
-#[derive(Default)]
-struct KeptNotices {
-    waiting: Vec<String>,
-    /// Causes since the node was last registered: a failure that repeats is reported once.
-    reported: BTreeSet<String>,
-}
-
-/// Number of different causes that are kept; later ones are not reported.
-const KEPT: usize = 64;
-
-impl Notices {
-    /// Keeps a notice, unless it repeats another. Returns whether it is new.
-    fn keep(&self, notice: &RosNotice) -> bool {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = notice.to_string();
-        if let RosNotice::Registered { .. } = notice {
-            kept.reported.clear();
-        }
-        if kept.reported.len() >= KEPT || !kept.reported.insert(text.clone()) {
-            return false;
-        }
-        kept.waiting.push(text);
-        true
-    }
-
-    fn take(&self) -> Vec<String> {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        std::mem::take(&mut kept.waiting)
     }
 }

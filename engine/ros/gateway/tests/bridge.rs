@@ -119,6 +119,9 @@ fn mapped(port: &str, direction: RosDirection) -> MappedTopic {
         kind: "test/Stamped".to_owned(),
         queue: 10,
         is_latched: false,
+        is_best_effort: false,
+        deadline: None,
+        lifespan: None,
         converters: Vec::new(),
         direction,
     }
@@ -191,6 +194,8 @@ fn r8_what_does_not_fit_is_counted_and_reported_once_for_each_cause() {
         "{reported:?}"
     );
     run.stop();
+    // the last cycle has the inputs of the one before, which have been sent
+    assert_eq!(memory.with(|state| state.sent.len()), 2);
 }
 
 #[test]

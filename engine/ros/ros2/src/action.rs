@@ -1,28 +1,34 @@
-//! Actions, as a client: goal, feedback, status, cancel and result.
+//! Actions: goal, feedback, status, cancel and result.
 //!
 //! An action is three services and two topics below its name: `_action/send_goal`, `_action/cancel_goal`, `_action/get_result`,
 //! `_action/feedback` and `_action/status`. Source: design.ros2.org, "Actions".
 
 mod feedback;
+mod kinds;
+mod server;
+
+pub use server::{ActionServer, GoalRequest};
 
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
-use asmotion_ros_interface::{InterfaceKind, InterfaceName};
+use asmotion_datum::Datum;
+use asmotion_ros_interface::InterfaceName;
 
 use self::feedback::{Feedback, Router, Statuses};
+use self::kinds::ActionKinds;
 use crate::error::{CallError, EndpointError};
 use crate::gid::Gid;
 use crate::mapping::ServiceMapping;
 use crate::names;
 use crate::node::Node;
+use crate::notice::Waker;
 use crate::participant::Inner;
 use crate::qos::Qos;
 use crate::queue::Queue;
 use crate::reactor::Registration;
-use crate::service::{Call, Client, Part, ServiceType};
+use crate::service::{Call, Client};
 
 /// The id of a goal, unique in all systems.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -64,6 +70,22 @@ impl GoalStatus {
             6 => Self::Aborted,
             _ => Self::Unknown,
         }
+    }
+
+    fn number(self) -> i64 {
+        match self {
+            Self::Unknown => 0,
+            Self::Accepted => 1,
+            Self::Executing => 2,
+            Self::Canceling => 3,
+            Self::Succeeded => 4,
+            Self::Canceled => 5,
+            Self::Aborted => 6,
+        }
+    }
+
+    fn is_end(self) -> bool {
+        matches!(self, Self::Succeeded | Self::Canceled | Self::Aborted)
     }
 }
 
@@ -117,20 +139,6 @@ impl Node {
     }
 }
 
-fn known(package: &str, kind: InterfaceKind, name: &str) -> Result<InterfaceName, EndpointError> {
-    let made = InterfaceName::new(package, kind, name);
-    made.map_err(|error| EndpointError::Dds {
-        topic: name.to_owned(),
-        reason: error.to_string(),
-    })
-}
-
-fn record(fields: impl IntoIterator<Item = (&'static str, Schema)>) -> Schema {
-    let fields = fields.into_iter();
-    let keys = fields.map(|(name, schema)| OutlineKey::new(name, "", schema));
-    Schema::plain(Shape::Record(keys.collect()))
-}
-
 impl ActionClient {
     fn new(
         inner: &Arc<Inner>,
@@ -138,77 +146,43 @@ impl ActionClient {
         of: &InterfaceName,
         mapping: ServiceMapping,
     ) -> Result<Self, EndpointError> {
-        inner.check_kind(of, InterfaceKind::Action, "action")?;
-        let catalogue = inner.catalogue();
-        let message = InterfaceKind::Message;
-        let id = catalogue.schema(&known("unique_identifier_msgs", message, "UUID")?)?;
-        let time = catalogue.schema(&known("builtin_interfaces", message, "Time")?)?;
-        let schemas = <[Schema; 3]>::try_from(catalogue.schemas(of)?);
-        let Ok([goal, result, feedback]) = schemas else {
-            let (of, needed) = (of.clone(), "action");
-            return Err(EndpointError::Kind { of, needed });
-        };
-        for schema in [&goal, &result, &feedback] {
-            inner.carried(of, schema)?;
-        }
-        let part = |schema, part| Part {
-            schema,
-            type_name: names::part_type(of, part),
-        };
+        let kinds = ActionKinds::of(inner, of)?;
         let client = |suffix: &str, of| {
             Client::new(inner, format!("{action}/_action/{suffix}"), of, mapping)
         };
-        let (flag, status) = (Schema::plain(Shape::Bool), Schema::plain(Shape::I8));
-        let send_goal = ServiceType {
-            request: part(
-                record([("goal_id", id.clone()), ("goal", goal)]),
-                "SendGoal_Request",
-            ),
-            response: part(
-                record([("accepted", flag), ("stamp", time)]),
-                "SendGoal_Response",
-            ),
-            hash: None,
-        };
-        let get_result = ServiceType {
-            request: part(record([("goal_id", id.clone())]), "GetResult_Request"),
-            response: part(
-                record([("status", status), ("result", result)]),
-                "GetResult_Response",
-            ),
-            hash: None,
-        };
-        let cancel = known("action_msgs", InterfaceKind::Service, "CancelGoal")?;
-        let cancel_goal = ServiceType::of(inner, &cancel)?;
-
         let router = Arc::new(Router::default());
         let sink = Feedback {
-            schema: record([("goal_id", id), ("feedback", feedback)]),
+            schema: kinds.feedback.schema,
             router: Arc::clone(&router),
         };
         let topic = names::topic(&format!("{action}/_action/feedback"));
-        let kind = names::part_type(of, "FeedbackMessage");
-        let qos = Qos::default().depth(MOST_EVENTS);
+        let (kind, qos) = (kinds.feedback.type_name, kinds::feedback_qos());
         let (feedback, first) = inner.reader(&topic, &kind, qos, None, |_| Box::new(sink))?;
-
-        let array = known("action_msgs", message, "GoalStatusArray")?;
         let sink = Statuses {
-            schema: catalogue.schema(&array)?,
+            schema: kinds.status.schema,
             router: Arc::clone(&router),
         };
         let topic = names::topic(&format!("{action}/_action/status"));
-        let kind = names::message_type(&array);
-        let (qos, hash) = (Qos::latched(), inner.hash(&array));
+        let (kind, qos) = (kinds.status.type_name, Qos::latched());
+        let hash = kinds.status_hash;
         let (status, second) = inner.reader(&topic, &kind, qos, hash, |_| Box::new(sink))?;
         Ok(Self {
             inner: Arc::clone(inner),
-            send_goal: client("send_goal", send_goal)?,
-            cancel_goal: Arc::new(client("cancel_goal", cancel_goal)?),
-            get_result: Arc::new(client("get_result", get_result)?),
+            send_goal: client("send_goal", kinds.send_goal)?,
+            cancel_goal: Arc::new(client("cancel_goal", kinds.cancel_goal)?),
+            get_result: Arc::new(client("get_result", kinds.get_result)?),
             router,
             readers: [feedback, status],
             _registrations: [first, second],
         })
+    }
+
+    /// Sets what is called after events of goals have arrived. A deadline that passes wakes nobody.
+    pub fn wake_with(&self, waker: &Waker) {
+        for client in [&self.send_goal, &*self.cancel_goal, &*self.get_result] {
+            client.wake_with(Arc::clone(waker));
+        }
+        self.router.set_waker(Arc::clone(waker));
     }
 
     /// Returns whether a server can be called.
@@ -290,6 +264,11 @@ impl Goal {
     /// Returns whether the last event was taken.
     pub fn is_over(&self) -> bool {
         matches!(self.stage, Stage::Over)
+    }
+
+    /// Returns whether the server was asked to cancel the goal, and has not answered.
+    pub fn is_cancelling(&self) -> bool {
+        self.cancelling.is_some()
     }
 
     /// Asks the server to cancel the goal. The answer is an event, the end of the goal another one.

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use asmotion_datum::{Codec, Datum, DatumError, Schema};
 use asmotion_ros_interface::{Catalogue, DefinitionError, Distribution, InterfaceName};
 
+use crate::endpoint::RemoteNode;
 use crate::error::EndpointError;
 use crate::gid::Gid;
-use crate::graph::{RemoteNode, SharedGraph};
+use crate::graph::SharedGraph;
 use crate::reactor::{Incoming, Sink};
 
 /// The topic of DDS; it has no prefix.

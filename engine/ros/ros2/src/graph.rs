@@ -1,98 +1,16 @@
 //! What a node knows of its peers: participants, endpoints, matches and nodes.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use rustdds::{DomainParticipantStatusEvent, EndpointDescription, GUID};
+use rustdds::{DomainParticipantStatusEvent, EndpointDescription, GUID, QosPolicies};
 
+use crate::endpoint::{Endpoint, EndpointKind, RemoteNode};
 use crate::gid::Gid;
 use crate::names;
+use crate::notice::{Notice, Waker};
 use crate::qos::Qos;
-
-/// The kinds of endpoints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EndpointKind {
-    /// Publishers, and the sending halves of clients and servers.
-    Writer,
-    /// Subscriptions, and the receiving halves of clients and servers.
-    Reader,
-}
-
-/// A writer or reader of a peer, or of this node.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Endpoint {
-    /// Its id.
-    pub gid: Gid,
-    /// Writer or reader.
-    pub kind: EndpointKind,
-    /// The topic of DDS, such as `rt/scan`.
-    pub topic: String,
-    /// The type of DDS.
-    pub type_name: String,
-    /// The topic or service and its type as ROS names them; `None` if they are not of ROS.
-    pub ros: Option<(String, String)>,
-    /// The quality of service that it announces.
-    pub qos: Qos,
-    /// The type hash that it announces, such as `RIHS01_…`.
-    pub type_hash: Option<String>,
-}
-
-/// A node of a peer, according to the graph that it publishes.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RemoteNode {
-    /// Name.
-    pub name: String,
-    /// Namespace, `/` or a name that starts with it.
-    pub namespace: String,
-    /// Ids of its readers.
-    pub readers: Vec<Gid>,
-    /// Ids of its writers.
-    pub writers: Vec<Gid>,
-}
-
-/// An event that a user should see.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Notice {
-    /// A peer announces another type hash for a topic or service of this node. Its messages are decoded all the same, and
-    /// counted as malformed where this fails.
-    TypeHash {
-        /// The topic of DDS.
-        topic: String,
-        /// The endpoint of the peer.
-        peer: Gid,
-        /// The hash here.
-        here: String,
-        /// The hash there.
-        there: String,
-    },
-    /// A peer has the same topic with another type, and does not match.
-    Type {
-        /// The topic of DDS.
-        topic: String,
-        /// The type here.
-        here: String,
-        /// The type there.
-        there: String,
-        /// The endpoint of the peer.
-        peer: Gid,
-    },
-    /// A peer has the same topic with a quality of service that does not match: a best-effort writer for a reliable reader, or a
-    /// volatile writer for a transient local reader.
-    Qos {
-        /// The topic of DDS.
-        topic: String,
-        /// The quality of service there.
-        there: Qos,
-        /// The endpoint of the peer.
-        peer: Gid,
-    },
-    /// A participant has left, or its lease has ended.
-    Lost {
-        /// The id of the participant's first 12 bytes, in hexadecimal digits.
-        participant: String,
-    },
-}
 
 /// All peers and endpoints, at one moment.
 #[derive(Debug, Clone, Default)]
@@ -105,7 +23,8 @@ pub struct Graph {
     /// For each endpoint of this node, the peers that match, and since when.
     matches: BTreeMap<Gid, BTreeMap<Gid, Instant>>,
     local: BTreeMap<Gid, Local>,
-    notices: VecDeque<Notice>,
+    /// With the time since which they wait.
+    notices: VecDeque<(Instant, Notice)>,
 }
 
 /// An endpoint of this node.
@@ -118,6 +37,8 @@ struct Local {
 
 /// Most notices that wait to be taken; the oldest is dropped.
 const MOST_NOTICES: usize = 64;
+/// Time in which a peer publishes the name of its node after the endpoints.
+const NAMING: Duration = Duration::from_millis(500);
 /// Most endpoints of peers. A peer cannot fill the memory with endpoints that it invents.
 const MOST_ENDPOINTS: usize = 1 << 14;
 
@@ -138,11 +59,43 @@ impl Graph {
         self.vendors.get(&gid.participant()).copied()
     }
 
+    /// Since when the first of the peers that match an endpoint of this node matches it.
+    pub(crate) fn matched_since(&self, local: Gid) -> Option<Instant> {
+        self.matched(local).map(|(_, since)| since).min()
+    }
+
+    /// The name of the node, with its namespace, that has an endpoint; `None` if no peer has published it yet.
+    pub fn node_of(&self, endpoint: Gid) -> Option<String> {
+        let mut all = self.nodes.values().flatten();
+        let has = |node: &&RemoteNode| {
+            node.readers.contains(&endpoint) || node.writers.contains(&endpoint)
+        };
+        all.find(has).map(RemoteNode::full_name)
+    }
+
+    /// The topics of DDS on which a participant matches endpoints of this node.
+    fn topics_with(&self, participant: [u8; 12]) -> Vec<String> {
+        let matches = self.matches.iter();
+        let mut shared = matches.filter(|(_, peers)| {
+            let mut peers = peers.keys();
+            peers.any(|peer| peer.participant() == participant)
+        });
+        let topic = |(local, _): (&Gid, _)| self.local.get(local).map(|it| it.topic.clone());
+        let topics: BTreeSet<String> = shared.by_ref().filter_map(topic).collect();
+        topics.into_iter().collect()
+    }
+
+    /// Returns whether a notice can be taken: the name of its peer's node is known, or has not come for a while.
+    fn is_ready(&self, (since, notice): &(Instant, Notice)) -> bool {
+        let peer = notice.peer();
+        peer.is_none_or(|peer| self.node_of(peer).is_some() || since.elapsed() >= NAMING)
+    }
+
     fn notice(&mut self, notice: Notice) {
         if self.notices.len() >= MOST_NOTICES {
             self.notices.pop_front();
         }
-        self.notices.push_back(notice);
+        self.notices.push_back((Instant::now(), notice));
     }
 
     fn detected(&mut self, kind: EndpointKind, description: EndpointDescription) {
@@ -194,10 +147,17 @@ impl Graph {
         }
     }
 
-    fn incompatible(&mut self, peer: Gid, there: Qos) {
-        let endpoint = self.endpoints.get(&peer);
-        let topic = endpoint.map(|it| it.topic.clone()).unwrap_or_default();
-        self.notice(Notice::Qos { topic, there, peer });
+    fn incompatible(&mut self, local: Gid, peer: Gid, kind: EndpointKind, both: [&QosPolicies; 2]) {
+        let local = self.local.get(&local);
+        let topic = local.map(|it| it.topic.clone()).unwrap_or_default();
+        let [here, there] = both.map(Qos::announced);
+        self.notice(Notice::Qos {
+            topic,
+            here,
+            there,
+            peer,
+            kind,
+        });
     }
 
     fn matched_by(&mut self, local: Gid, remote: Gid) {
@@ -227,12 +187,19 @@ impl Graph {
                 let mut guid = GUID::GUID_UNKNOWN;
                 guid.prefix = id;
                 let prefix = Gid::from(guid).participant();
+                let topics = self.topics_with(prefix);
                 self.vendors.remove(&prefix);
-                self.nodes.retain(|gid, _| gid.participant() != prefix);
-                self.lost(|gid| gid.participant() == prefix);
+                let is_lost = |gid: &Gid| gid.participant() == prefix;
+                let nodes = self.nodes.iter().filter(|(gid, _)| is_lost(gid));
+                let nodes = nodes.flat_map(|(_, nodes)| nodes.iter().map(RemoteNode::full_name));
+                let nodes = nodes.collect();
+                self.nodes.retain(|gid, _| !is_lost(gid));
+                self.lost(|gid| is_lost(&gid));
                 let participant = prefix.iter().map(|byte| format!("{byte:02x}"));
                 self.notice(Notice::Lost {
                     participant: participant.collect(),
+                    nodes,
+                    topics,
                 });
             }
             Event::ReaderDetected { reader } => self.detected(EndpointKind::Reader, reader),
@@ -250,15 +217,25 @@ impl Graph {
                 remote_writer,
             } => self.matched_by(local_reader.into(), remote_writer.into()),
             Event::RemoteReaderQosIncompatible {
+                local_writer,
                 remote_reader,
                 requested_qos,
-                ..
-            } => self.incompatible(remote_reader.into(), Qos::announced(&requested_qos)),
-            Event::RemoteWriterQosIncompatible {
-                remote_writer,
                 offered_qos,
-                ..
-            } => self.incompatible(remote_writer.into(), Qos::announced(&offered_qos)),
+            } => {
+                let both = [&*offered_qos, &*requested_qos];
+                let (here, there) = (local_writer.into(), remote_reader.into());
+                self.incompatible(here, there, EndpointKind::Reader, both);
+            }
+            Event::RemoteWriterQosIncompatible {
+                local_reader,
+                remote_writer,
+                requested_qos,
+                offered_qos,
+            } => {
+                let both = [&*requested_qos, &*offered_qos];
+                let (here, there) = (local_reader.into(), remote_writer.into());
+                self.incompatible(here, there, EndpointKind::Writer, both);
+            }
             _ => {}
         }
     }
@@ -269,6 +246,8 @@ impl Graph {
 pub(crate) struct SharedGraph {
     graph: Mutex<Graph>,
     changed: Condvar,
+    /// Called when notices wait.
+    waker: Mutex<Option<Waker>>,
 }
 
 impl SharedGraph {
@@ -279,12 +258,40 @@ impl SharedGraph {
     pub(crate) fn apply(&self, event: DomainParticipantStatusEvent) {
         self.lock().apply(event);
         self.changed.notify_all();
+        self.wake_for_notices();
+    }
+
+    /// Adds a notice.
+    pub(crate) fn notice(&self, notice: Notice) {
+        self.lock().notice(notice);
+        self.wake_for_notices();
+    }
+
+    /// Sets what is called when notices wait, and calls it if some do.
+    pub(crate) fn set_waker(&self, waker: Waker) {
+        *self.waker.lock().unwrap_or_else(PoisonError::into_inner) = Some(waker);
+        self.wake_for_notices();
+    }
+
+    /// Calls the waker if notices can be taken.
+    pub(crate) fn wake_for_notices(&self) {
+        let graph = self.lock();
+        if !graph.notices.iter().any(|it| graph.is_ready(it)) {
+            return;
+        }
+        drop(graph);
+        let waker = self.waker.lock().unwrap_or_else(PoisonError::into_inner);
+        let waker = waker.clone();
+        if let Some(waker) = waker {
+            waker();
+        }
     }
 
     /// Replaces the nodes of a participant.
     pub(crate) fn set_nodes(&self, participant: Gid, nodes: Vec<RemoteNode>) {
         self.lock().nodes.insert(participant, nodes);
         self.changed.notify_all();
+        self.wake_for_notices();
     }
 
     /// Adds an endpoint of this node.
@@ -307,6 +314,8 @@ impl SharedGraph {
             graph.compare(&local, remote);
         }
         graph.local.insert(gid, local);
+        drop(graph);
+        self.wake_for_notices();
     }
 
     /// Removes an endpoint of this node.
@@ -317,7 +326,12 @@ impl SharedGraph {
     }
 
     pub(crate) fn take_notices(&self) -> Vec<Notice> {
-        self.lock().notices.drain(..).collect()
+        let mut graph = self.lock();
+        let all = std::mem::take(&mut graph.notices);
+        let (ready, waiting) = all.into_iter().partition(|it| graph.is_ready(it));
+        graph.notices = waiting;
+        let ready: VecDeque<(Instant, Notice)> = ready;
+        ready.into_iter().map(|(_, notice)| notice).collect()
     }
 
     /// Waits until the graph has a property, at most for `longest`; returns whether it has.

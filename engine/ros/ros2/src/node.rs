@@ -1,21 +1,23 @@
 //! Nodes, and the endpoints that are created on them.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use asmotion_ros_interface::{Catalogue, InterfaceName};
 
+use crate::deadline::DeadlineWatch;
 use crate::error::{EndpointError, NodeError};
 use crate::gid::Gid;
-use crate::graph::{Graph, Notice};
+use crate::graph::Graph;
 use crate::names;
+use crate::notice::{Notice, Waker};
 use crate::participant::{Inner, NodeOptions};
 use crate::publisher::Publisher;
 use crate::qos::Qos;
 use crate::queue::Queue;
-use crate::reactor::{Registration, Sink};
-use crate::subscription::{Counters, Decoder, Shared, Subscription};
+use crate::reactor::{Chore, Registration, Sink};
+use crate::subscription::{Counters, Decoder, Shared, Subscription, SubscriptionOptions};
 
 /// A node of ROS 2. Endpoints stay usable until they are dropped, but receive nothing after the node is dropped.
 pub struct Node {
@@ -64,7 +66,7 @@ impl Node {
         })
     }
 
-    /// Creates a subscription. Names as for [`publisher`](Self::publisher).
+    /// Creates a subscription, with a [`Qos`] or further options. Names as for [`publisher`](Self::publisher).
     ///
     /// # Errors
     /// The name is not valid, the type is not a message that is defined, or DDS refuses.
@@ -72,23 +74,38 @@ impl Node {
         &self,
         topic: &str,
         of: &InterfaceName,
-        qos: Qos,
+        options: impl Into<SubscriptionOptions>,
     ) -> Result<Subscription, EndpointError> {
+        let SubscriptionOptions {
+            qos,
+            ignores_own,
+            waker,
+        } = options.into();
         let schema = self.inner.message(of)?;
         let topic = names::topic(&self.inner.absolute(topic)?);
         let shared = Arc::new(Shared {
             queue: Queue::new(qos.queue()),
             counters: Counters::default(),
+            deadline: OnceLock::new(),
         });
         let decoder = Decoder {
             schema,
             shared: Arc::clone(&shared),
             last: Default::default(),
+            ignored: ignores_own.then(|| self.inner.gid().participant()),
+            waker,
         };
         let kind = names::message_type(of);
         let hash = self.inner.hash(of);
         let sink = |_| Box::new(decoder) as Box<dyn Sink>;
         let (gid, registration) = self.inner.reader(&topic, &kind, qos, hash, sink)?;
+        if let Some(deadline) = qos.deadline {
+            let graph = Arc::clone(&self.inner.graph);
+            let watch = Arc::new(DeadlineWatch::new(graph, gid, &topic, deadline));
+            let watch = shared.deadline.get_or_init(|| watch);
+            let chore: Arc<dyn Chore> = watch.clone();
+            self.inner.reactor.add_chore(Arc::downgrade(&chore));
+        }
         Ok(Subscription {
             inner: Arc::clone(&self.inner),
             gid,
@@ -107,9 +124,15 @@ impl Node {
         self.inner.graph.wait(longest, has)
     }
 
-    /// Takes the notices since the last time, at most the last 64.
+    /// Takes the notices since the last time, at most the last 64. One about a peer comes when the peer's node is known, or after
+    /// half a second.
     pub fn take_notices(&self) -> Vec<Notice> {
         self.inner.graph.take_notices()
+    }
+
+    /// Sets what is called when notices wait.
+    pub fn wake_for_notices(&self, waker: Waker) {
+        self.inner.graph.set_waker(waker);
     }
 
     /// The name of the node with its namespace.

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use rustdds::bytes::Bytes;
 use rustdds::dds::WriteError;
 use rustdds::no_key::DataWriter;
-use rustdds::{SampleIdentity, WriteOptions, WriteOptionsBuilder};
+use rustdds::{SampleIdentity, Timestamp, WriteOptions, WriteOptionsBuilder};
 
 use crate::error::SendError;
 use crate::gid::Gid;
@@ -37,7 +37,7 @@ pub(crate) struct Outbox {
 
 #[derive(Default)]
 struct State {
-    waiting: VecDeque<(Bytes, Option<SampleIdentity>)>,
+    waiting: VecDeque<(Bytes, WriteOptions)>,
     counts: PublisherCounts,
 }
 
@@ -76,33 +76,36 @@ impl Outbox {
         bytes: Bytes,
         related: Option<SampleIdentity>,
     ) -> Result<(), SendError> {
+        let options = options(related);
         let mut state = self.lock();
         self.flush(&mut state);
-        if state.waiting.is_empty() && self.write(&mut state, bytes.clone(), related)?.is_some() {
+        let is_first = state.waiting.is_empty();
+        if is_first
+            && self
+                .write(&mut state, bytes.clone(), options.clone())?
+                .is_some()
+        {
             return Ok(());
         }
         if state.waiting.len() >= self.capacity {
             state.waiting.pop_front();
             state.counts.dropped += 1;
         }
-        state.waiting.push_back((bytes, related));
+        state.waiting.push_back((bytes, options));
         Ok(())
     }
 
     /// Sends a message at once, or not at all; returns its identity.
     pub(crate) fn send_now(&self, bytes: Bytes) -> Result<Option<SampleIdentity>, SendError> {
-        self.write(&mut self.lock(), bytes, None)
+        self.write(&mut self.lock(), bytes, options(None))
     }
 
     fn write(
         &self,
         state: &mut State,
         bytes: Bytes,
-        related: Option<SampleIdentity>,
+        options: WriteOptions,
     ) -> Result<Option<SampleIdentity>, SendError> {
-        let options: WriteOptions = WriteOptionsBuilder::new()
-            .related_sample_identity_opt(related)
-            .build();
         // the writer's longest blocking time is zero
         match self.writer.write_with_options(Payload(bytes), options) {
             Ok(identity) => {
@@ -126,14 +129,22 @@ impl Outbox {
     }
 
     fn flush(&self, state: &mut State) {
-        while let Some((bytes, related)) = state.waiting.front().cloned() {
+        while let Some((bytes, options)) = state.waiting.front().cloned() {
             // a refused message is counted, and does not come back
-            if matches!(self.write(state, bytes, related), Ok(None)) {
+            if matches!(self.write(state, bytes, options), Ok(None)) {
                 return;
             }
             state.waiting.pop_front();
         }
     }
+}
+
+/// Options of a message that is sent now: its age counts from here, also while it waits.
+fn options(related: Option<SampleIdentity>) -> WriteOptions {
+    WriteOptionsBuilder::new()
+        .related_sample_identity_opt(related)
+        .source_timestamp(Timestamp::now())
+        .build()
 }
 
 impl Chore for Outbox {

@@ -11,10 +11,11 @@ use asmotion_ros_interface::{Catalogue, InterfaceKind, InterfaceName};
 use rustdds::no_key::DataWriter;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, RTPSEntity, TopicKind};
 
+use crate::endpoint::RemoteNode;
 use crate::entities::{self, Entities};
 use crate::error::{EndpointError, NodeError};
 use crate::gid::Gid;
-use crate::graph::{RemoteNode, SharedGraph};
+use crate::graph::SharedGraph;
 use crate::names;
 use crate::outbox::Outbox;
 use crate::payload::{Payload, Raw};

@@ -1,5 +1,8 @@
 //! Quality of service, as ROS 2 names it.
 
+use std::fmt;
+use std::time::Duration;
+
 use rustdds::{QosPolicies, QosPolicyBuilder, policy};
 
 /// Repetition of lost messages.
@@ -32,6 +35,12 @@ pub struct Qos {
     /// Length of the queue, at least 1: messages that wait to be sent or taken. When it is full, the oldest is dropped and
     /// counted.
     pub depth: usize,
+    /// Longest time between two messages: a publisher offers it, and a subscription requests it and matches only publishers
+    /// with one that is not longer. `None` for no limit.
+    pub deadline: Option<Duration>,
+    /// Age at which the messages of a publisher are no longer delivered by its peers. `None` for no limit; subscriptions have
+    /// none.
+    pub lifespan: Option<Duration>,
 }
 
 /// Smallest number of messages that DDS keeps between its thread and ours.
@@ -45,7 +54,30 @@ impl Default for Qos {
             reliability: Reliability::Reliable,
             durability: Durability::Volatile,
             depth: 10,
+            deadline: None,
+            lifespan: None,
         }
+    }
+}
+
+impl fmt::Display for Qos {
+    /// In words, without the depth: `reliable, volatile, deadline 100 ms`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.reliability {
+            Reliability::Reliable => "reliable",
+            Reliability::BestEffort => "best effort",
+        })?;
+        f.write_str(match self.durability {
+            Durability::Volatile => ", volatile",
+            Durability::TransientLocal => ", transient local",
+        })?;
+        if let Some(deadline) = self.deadline {
+            write!(f, ", deadline {} ms", deadline.as_millis())?;
+        }
+        if let Some(lifespan) = self.lifespan {
+            write!(f, ", lifespan {} ms", lifespan.as_millis())?;
+        }
+        Ok(())
     }
 }
 
@@ -85,7 +117,11 @@ impl Qos {
 
     /// Policies of a reader. Its history only bridges the time until the thread of the node reads.
     pub(crate) fn reader(self) -> QosPolicies {
-        self.policies(self.queue().max(KEPT))
+        let policies = Self {
+            lifespan: None,
+            ..self
+        };
+        policies.policies(self.queue().max(KEPT))
     }
 
     fn policies(self, depth: usize) -> QosPolicies {
@@ -98,7 +134,14 @@ impl Qos {
             Durability::Volatile => policy::Durability::Volatile,
             Durability::TransientLocal => policy::Durability::TransientLocal,
         };
-        let builder = builder.durability(durability);
+        let mut builder = builder.durability(durability);
+        if let Some(deadline) = self.deadline {
+            builder = builder.deadline(policy::Deadline(deadline.into()));
+        }
+        if let Some(lifespan) = self.lifespan {
+            let duration = lifespan.into();
+            builder = builder.lifespan(policy::Lifespan { duration });
+        }
         builder.history(policy::History::KeepLast { depth }).build()
     }
 
@@ -120,6 +163,15 @@ impl Qos {
                 Durability::Volatile
             },
             depth: 0,
+            deadline: policies.deadline().and_then(|it| limit(it.0)),
+            lifespan: policies.lifespan().and_then(|it| limit(it.duration)),
         }
     }
+}
+
+/// A duration that is not infinite, in microseconds: DDS counts in fractions of 2^-32 s.
+fn limit(duration: rustdds::Duration) -> Option<Duration> {
+    let nanoseconds = u64::try_from(duration.to_nanoseconds()).unwrap_or(0);
+    let rounded = Duration::from_micros(nanoseconds.saturating_add(500) / 1000);
+    (duration != rustdds::Duration::INFINITE).then_some(rounded)
 }

@@ -1,13 +1,16 @@
 //! A bounded queue between the thread of a node and others.
 
 use std::collections::VecDeque;
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
+
+use crate::notice::Waker;
 
 /// A queue that drops its oldest element when it is full, and counts what it dropped.
 pub(crate) struct Queue<T> {
     inside: Mutex<Inside<T>>,
     filled: Condvar,
+    waker: OnceLock<Waker>,
     capacity: usize,
 }
 
@@ -24,8 +27,14 @@ impl<T> Queue<T> {
                 dropped: 0,
             }),
             filled: Condvar::new(),
+            waker: OnceLock::new(),
             capacity: capacity.max(1),
         }
+    }
+
+    /// Sets what is called after an element has been put into the queue. Only the first one counts.
+    pub(crate) fn set_waker(&self, waker: Waker) {
+        self.waker.get_or_init(|| waker);
     }
 
     pub(crate) fn push(&self, element: T) {
@@ -37,6 +46,9 @@ impl<T> Queue<T> {
         inside.elements.push_back(element);
         drop(inside);
         self.filled.notify_one();
+        if let Some(waker) = self.waker.get() {
+            waker();
+        }
     }
 
     pub(crate) fn take(&self) -> Option<T> {

@@ -121,6 +121,7 @@ impl Reactor {
                     changed = true;
                     graph.apply(event);
                 }
+                graph.wake_for_notices();
                 changed
             });
         })?;

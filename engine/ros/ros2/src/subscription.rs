@@ -2,14 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use asmotion_datum::{Codec, Datum, Schema};
 
+use crate::deadline::DeadlineWatch;
 use crate::gid::Gid;
 use crate::graph::Graph;
+use crate::notice::Waker;
 use crate::participant::Inner;
+use crate::qos::Qos;
 use crate::queue::Queue;
 use crate::reactor::{Incoming, Registration, Sink};
 
@@ -26,6 +29,28 @@ pub struct SubscriptionCounts {
     pub malformed: u64,
     /// The error of the last malformed message.
     pub last_error: Option<String>,
+    /// Gaps between messages that were longer than the deadline, while a publisher matched.
+    pub late: u64,
+}
+
+/// Settings of a subscription.
+#[derive(Clone, Default)]
+pub struct SubscriptionOptions {
+    /// Quality of service.
+    pub qos: Qos,
+    /// `true` to leave out the messages of this node's own publishers.
+    pub ignores_own: bool,
+    /// Called after a message has been put into the queue.
+    pub waker: Option<Waker>,
+}
+
+impl From<Qos> for SubscriptionOptions {
+    fn from(qos: Qos) -> Self {
+        Self {
+            qos,
+            ..Self::default()
+        }
+    }
 }
 
 /// A message with its origin.
@@ -50,6 +75,8 @@ pub struct Subscription {
 pub(crate) struct Shared {
     pub(crate) queue: Queue<Received>,
     pub(crate) counters: Counters,
+    /// Set when the reader is created, if it has a deadline.
+    pub(crate) deadline: OnceLock<Arc<DeadlineWatch>>,
 }
 
 /// Counters that the thread of the node writes.
@@ -111,6 +138,7 @@ impl Subscription {
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .clone(),
+            late: self.shared.deadline.get().map_or(0, |it| it.missed()),
         }
     }
 
@@ -132,6 +160,9 @@ pub(crate) struct Decoder {
     pub(crate) shared: Arc<Shared>,
     /// The number of the last message of each writer.
     pub(crate) last: BTreeMap<Gid, i64>,
+    /// The participant whose messages are left out.
+    pub(crate) ignored: Option<[u8; 12]>,
+    pub(crate) waker: Option<Waker>,
 }
 
 /// Most writers whose numbers are followed. Beyond it, all are forgotten, and lost messages are missed once.
@@ -155,7 +186,13 @@ impl Decoder {
 impl Sink for Decoder {
     fn message(&mut self, incoming: Incoming) {
         let (writer, sequence) = (incoming.writer, incoming.sequence);
+        if self.ignored == Some(writer.participant()) {
+            return;
+        }
         self.follow(writer, sequence);
+        if let Some(deadline) = self.shared.deadline.get() {
+            deadline.arrived();
+        }
         match Codec::Cdr.decode(&incoming.payload.0, &self.schema) {
             Ok(message) => {
                 self.shared
@@ -167,6 +204,9 @@ impl Sink for Decoder {
                     writer,
                     sequence,
                 });
+                if let Some(waker) = &self.waker {
+                    waker();
+                }
             }
             Err(error) => self.shared.counters.malformed(&error),
         }

@@ -6,56 +6,15 @@ use asmotion_datum::Datum;
 use asmotion_ros2::{Goal, GoalEvent, GoalStatus, ServiceMapping};
 
 use crate::peer::{
-    LONG, Peer, catalogue, domain, encode, hex, named, node, python, topic_settings, wait,
+    LONG, Peer, action_kinds, catalogue, domain, encode, hex, named, node, python, topic_settings,
+    wait,
 };
 
 const FIBONACCI: &str = "example_interfaces/action/Fibonacci";
 
 fn settings(domain: u16) -> serde_json::Value {
-    let jazzy = catalogue();
-    let json = |name: &str| crate::peer::json(&jazzy.schema(&named(name)).unwrap());
-    let parts = jazzy.schemas(&named(FIBONACCI)).unwrap();
-    let [goal, result, feedback] = [0, 1, 2].map(|index: usize| crate::peer::json(&parts[index]));
-    let id = json("unique_identifier_msgs/msg/UUID");
-    let record = |fields: &[(&str, &serde_json::Value)]| {
-        let fields = fields
-            .iter()
-            .map(|(name, schema)| serde_json::json!({"name": name, "doc": "", "schema": schema}));
-        let fields: Vec<_> = fields.collect();
-        serde_json::json!({"name": "", "shape": {"record": fields}})
-    };
-    let plain = |shape: &str| serde_json::json!({"name": "", "shape": shape});
-    let of = |part: &str| format!("example_interfaces::action::dds_::Fibonacci_{part}_");
-    let cancel = jazzy.schemas(&named("action_msgs/srv/CancelGoal")).unwrap();
-    let [cancel, cancelled] = [0, 1].map(|index: usize| crate::peer::json(&cancel[index]));
-    let (time, status) = (
-        json("builtin_interfaces/msg/Time"),
-        json("action_msgs/msg/GoalStatusArray"),
-    );
-    let kind = |schema, of: String| serde_json::json!({"schema": schema, "type": of});
-    serde_json::json!({
-        "domain": domain,
-        "action": "/fibonacci",
-        "kinds": {
-            "goal": kind(record(&[("goal_id", &id), ("goal", &goal)]), of("SendGoal_Request")),
-            "accepted": kind(
-                record(&[("accepted", &plain("bool")), ("stamp", &time)]),
-                of("SendGoal_Response"),
-            ),
-            "ask": kind(record(&[("goal_id", &id)]), of("GetResult_Request")),
-            "result": kind(
-                record(&[("status", &plain("i8")), ("result", &result)]),
-                of("GetResult_Response"),
-            ),
-            "cancel": kind(cancel, "action_msgs::srv::dds_::CancelGoal_Request_".to_owned()),
-            "cancelled": kind(cancelled, "action_msgs::srv::dds_::CancelGoal_Response_".to_owned()),
-            "feedback": kind(
-                record(&[("goal_id", &id), ("feedback", &feedback)]),
-                of("FeedbackMessage"),
-            ),
-            "status": kind(status, "action_msgs::msg::dds_::GoalStatusArray_".to_owned()),
-        },
-    })
+    let (kinds, _) = action_kinds(FIBONACCI);
+    serde_json::json!({ "domain": domain, "action": "/fibonacci", "kinds": kinds })
 }
 
 fn order(order: i64) -> Datum {

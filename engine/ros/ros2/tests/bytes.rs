@@ -92,11 +92,7 @@ fn cyclone_reads_and_writes_the_same_bytes() {
     }
     assert!(expected.len() > 150 * MESSAGES, "{}", expected.len());
     let mut peer = Command::new(python)
-        .args([
-            concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"),
-            "bytes",
-            "{}",
-        ])
+        .args([crate::peer::peer_script(), "bytes", "{}"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()

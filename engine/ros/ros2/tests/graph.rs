@@ -98,14 +98,20 @@ fn a_type_or_quality_of_service_that_does_not_match_is_noticed() {
         Notice::Type {
             topic, here, there, ..
         } => topic == "rt/x" && here.ends_with("Bool_") && there.ends_with("String_"),
-        Notice::TypeHash { .. } | Notice::Qos { .. } | Notice::Lost { .. } => false,
+        Notice::TypeHash { .. }
+        | Notice::Qos { .. }
+        | Notice::Deadline { .. }
+        | Notice::Lost { .. } => false,
     };
     assert!(seen.iter().any(types), "{seen:?}");
     let qos = |notice: &Notice| match notice {
         Notice::Qos { topic, there, .. } => {
             topic == "rt/y" && there.reliability == Reliability::BestEffort
         }
-        Notice::TypeHash { .. } | Notice::Type { .. } | Notice::Lost { .. } => false,
+        Notice::TypeHash { .. }
+        | Notice::Type { .. }
+        | Notice::Deadline { .. }
+        | Notice::Lost { .. } => false,
     };
     assert!(seen.iter().any(qos), "{seen:?}");
     assert_eq!(fast.matches(), 0);

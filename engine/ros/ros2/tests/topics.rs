@@ -1,9 +1,13 @@
 //! Publishers and subscriptions.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use asmotion_datum::Datum;
-use asmotion_ros2::{Durability, EndpointError, Qos, Reliability};
+use asmotion_ros2::{
+    Durability, EndpointError, Node, NodeOptions, Notice, Qos, Reliability, SubscriptionOptions,
+};
 
 use crate::peer::{
     LONG, Peer, catalogue, domain, encode, hex, named, node, python, text, topic_settings, wait,
@@ -266,4 +270,90 @@ fn what_is_not_a_message_is_refused() {
     let publisher = node.publisher("/x", &string, Qos::default()).unwrap();
     let twisted = publisher.send(&Datum::record([("data", Datum::Int(1))]));
     assert!(twisted.unwrap_err().to_string().starts_with("`data`: "));
+}
+
+#[test]
+fn a_subscription_leaves_out_its_own_node_and_calls_its_waker() {
+    let domain = domain();
+    // all networks: on the loopback interface alone, a node does not hear itself
+    let start = |name: &str| {
+        let options = NodeOptions {
+            domain,
+            ..NodeOptions::named(name)
+        };
+        Node::start(options, catalogue()).unwrap()
+    };
+    let (own, other) = (start("own"), start("other"));
+    let string = named("std_msgs/msg/String");
+    let woken = Arc::new(AtomicUsize::new(0));
+    let count = Arc::clone(&woken);
+    let options = SubscriptionOptions {
+        ignores_own: true,
+        waker: Some(Arc::new(move || {
+            count.fetch_add(1, Ordering::SeqCst);
+        })),
+        ..SubscriptionOptions::default()
+    };
+    let others = own.subscription("/x", &string, options).unwrap();
+    let all = own.subscription("/x", &string, Qos::default()).unwrap();
+    let publishers = [&own, &other].map(|node| {
+        let publisher = node.publisher("/x", &string, Qos::default()).unwrap();
+        assert!(publisher.wait_for_matches(2, LONG));
+        publisher
+    });
+    assert!(others.wait_for_matches(2, LONG) && all.wait_for_matches(2, LONG));
+    publishers[0].send(&text("own")).unwrap();
+    let received = all.wait(LONG).expect("a message");
+    assert_eq!(
+        (received.message, received.writer),
+        (text("own"), publishers[0].gid())
+    );
+    publishers[1].send(&text("other")).unwrap();
+    let received = others.wait(LONG).expect("a message");
+    assert_eq!(received.message, text("other"));
+    assert_eq!(others.take(), None);
+    let counts = others.counts();
+    assert_eq!((counts.received, counts.lost), (1, 0));
+    // it is called after the message is there
+    wait("a call", || {
+        (woken.load(Ordering::SeqCst) == 1).then_some(())
+    });
+}
+
+#[test]
+fn each_gap_longer_than_the_deadline_is_noticed_once() {
+    let domain = domain();
+    let (one, other) = (node("one", domain), node("other", domain));
+    let string = named("std_msgs/msg/String");
+    let deadline = Qos {
+        deadline: Some(Duration::from_millis(300)),
+        ..Qos::default()
+    };
+    let woken = Arc::new(AtomicUsize::new(0));
+    let count = Arc::clone(&woken);
+    one.wake_for_notices(Arc::new(move || {
+        count.fetch_add(1, Ordering::SeqCst);
+    }));
+    let subscription = one.subscription("/x", &string, deadline).unwrap();
+    // without a publisher there is no gap
+    std::thread::sleep(Duration::from_millis(800));
+    assert_eq!(subscription.counts().late, 0);
+    let publisher = other.publisher("/x", &string, deadline).unwrap();
+    assert!(publisher.wait_for_matches(1, LONG) && subscription.wait_for_matches(1, LONG));
+    for gap in 1..=2 {
+        for _ in 0..5 {
+            publisher.send(&text("beat")).unwrap();
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        wait("a gap", || {
+            (subscription.counts().late == gap).then_some(())
+        });
+        std::thread::sleep(Duration::from_millis(500));
+        assert_eq!(subscription.counts().late, gap);
+    }
+    let is_gap =
+        |notice: &Notice| matches!(notice, Notice::Deadline { topic, .. } if topic == "rt/x");
+    let gaps = one.take_notices().iter().filter(|it| is_gap(it)).count();
+    assert_eq!(gaps, 2);
+    assert!(woken.load(Ordering::SeqCst) >= 2);
 }

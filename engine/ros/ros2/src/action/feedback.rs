@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use asmotion_datum::{Codec, Datum, Schema};
 
 use super::{GoalEvent, GoalId, GoalStatus};
+use crate::notice::Waker;
 use crate::queue::Queue;
 use crate::reactor::{Incoming, Sink};
 
@@ -15,6 +16,7 @@ use crate::reactor::{Incoming, Sink};
 pub(super) struct Router {
     goals: Mutex<BTreeMap<GoalId, Route>>,
     malformed: AtomicU64,
+    waker: OnceLock<Waker>,
 }
 
 struct Route {
@@ -33,6 +35,14 @@ impl Router {
             status: None,
         };
         self.lock().insert(id, route);
+        if let Some(waker) = self.waker.get() {
+            events.set_waker(Arc::clone(waker));
+        }
+    }
+
+    /// Sets what is called after an event of a goal has been put into its queue; for goals that are added afterwards.
+    pub(super) fn set_waker(&self, waker: Waker) {
+        self.waker.get_or_init(|| waker);
     }
 
     pub(super) fn remove(&self, id: GoalId) {
@@ -52,7 +62,8 @@ impl Router {
     }
 }
 
-fn id(datum: &Datum, path: &str) -> Option<GoalId> {
+/// Reads the id of a goal.
+pub(super) fn id(datum: &Datum, path: &str) -> Option<GoalId> {
     let found = datum.get(path)?;
     let Datum::Bytes(bytes) = &*found else {
         return None;

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_datum::{Codec, Datum};
@@ -20,6 +20,7 @@ use crate::graph::{Graph, SharedGraph};
 use crate::mapping::{CycloneHeader, ServiceMapping};
 use crate::names;
 use crate::node::Node;
+use crate::notice::Waker;
 use crate::outbox::Outbox;
 use crate::participant::Inner;
 use crate::reactor::{Chore, Incoming, Registration, Sink};
@@ -62,6 +63,7 @@ struct Shared {
     graph: Arc<SharedGraph>,
     calls: Mutex<Calls>,
     ended: Condvar,
+    waker: OnceLock<Waker>,
     late: AtomicU64,
     malformed: AtomicU64,
 }
@@ -122,6 +124,7 @@ impl Client {
                 graph: Arc::clone(&inner.graph),
                 calls: Mutex::default(),
                 ended: Condvar::new(),
+                waker: OnceLock::new(),
                 late: AtomicU64::new(0),
                 malformed: AtomicU64::new(0),
             });
@@ -173,6 +176,11 @@ impl Client {
         }
     }
 
+    /// Sets what is called after a call has ended with a response or an error. A deadline that passes wakes nobody.
+    pub fn wake_with(&self, waker: Waker) {
+        self.shared.waker.get_or_init(|| waker);
+    }
+
     /// Returns whether a server has matched for long enough to be called.
     pub fn is_ready(&self) -> bool {
         self.shared.server().is_some()
@@ -204,6 +212,13 @@ fn id_of(gid: Gid) -> u64 {
 }
 
 impl Shared {
+    fn notify(&self) {
+        self.ended.notify_all();
+        if let Some(waker) = self.waker.get() {
+            waker();
+        }
+    }
+
     fn lock(&self) -> MutexGuard<'_, Calls> {
         self.calls.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -289,7 +304,7 @@ impl Shared {
         calls.counts.responses += u64::from(result.is_ok());
         calls.open.insert(number, State::Ended(result));
         drop(calls);
-        self.ended.notify_all();
+        self.notify();
         Some(())
     }
 }
@@ -324,7 +339,7 @@ impl Chore for Shared {
             calls.open.insert(number, state);
         }
         drop(calls);
-        self.ended.notify_all();
+        self.notify();
         false
     }
 }

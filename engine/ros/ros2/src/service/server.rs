@@ -16,6 +16,7 @@ use crate::graph::SharedGraph;
 use crate::mapping::{CycloneHeader, ServiceMapping};
 use crate::names;
 use crate::node::Node;
+use crate::notice::Waker;
 use crate::outbox::Outbox;
 use crate::participant::Inner;
 use crate::queue::Queue;
@@ -116,8 +117,20 @@ impl Node {
         depth: usize,
     ) -> Result<Server, EndpointError> {
         let inner = self.inner();
-        let kind = ServiceType::of(inner, of)?;
-        let (requests, replies) = names::service(&inner.absolute(service)?);
+        let name = inner.absolute(service)?;
+        Server::new(inner, &name, ServiceType::of(inner, of)?, mapping, depth)
+    }
+}
+
+impl Server {
+    pub(crate) fn new(
+        inner: &Arc<Inner>,
+        service: &str,
+        kind: ServiceType,
+        mapping: ServiceMapping,
+        depth: usize,
+    ) -> Result<Self, EndpointError> {
+        let (requests, replies) = names::service(service);
         let response = kind.response;
         let outbox = inner.writer(&replies, &response.type_name, qos(), kind.hash.clone())?;
         let type_name = kind.request.type_name.clone();
@@ -134,7 +147,7 @@ impl Node {
         let sink = Box::new(Requests(Arc::clone(&shared)));
         let (requests, registration) =
             inner.reader(&requests, &type_name, qos(), kind.hash, |_| sink)?;
-        Ok(Server {
+        Ok(Self {
             inner: Arc::clone(inner),
             shared,
             requests,
@@ -142,9 +155,12 @@ impl Node {
             _registration: registration,
         })
     }
-}
 
-impl Server {
+    /// Sets what is called after a request has been put into the queue.
+    pub fn wake_with(&self, waker: Waker) {
+        self.shared.queue.set_waker(waker);
+    }
+
     /// Takes the oldest request from the queue.
     pub fn take(&self) -> Option<Request> {
         self.shared.queue.take()

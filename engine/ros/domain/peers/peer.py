@@ -8,70 +8,13 @@ import json
 import sys
 import threading
 import time
-from dataclasses import fields
 
-from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
-from cyclonedds.util import duration
-
-PRIMITIVES = {
-    "bool": bool,
-    "text": str,
-    "i8": types.int8,
-    "i16": types.int16,
-    "i32": types.int32,
-    "i64": types.int64,
-    "u8": types.uint8,
-    "u16": types.uint16,
-    "u32": types.uint32,
-    "u64": types.uint64,
-    "f32": types.float32,
-    "f64": types.float64,
-}
-made = {}
-
-
-def of_schema(schema, type_name=None):
-    """The Python type of a schema; `type_name` is that of a whole message in DDS."""
-    shape = schema["shape"]
-    if isinstance(shape, str):
-        return PRIMITIVES[shape]
-    ((kind, content),) = shape.items()
-    if kind == "list":
-        return types.sequence[of_schema(content)]
-    if kind == "array":
-        element, count = content
-        return types.array[of_schema(element), count]
-    name = type_name or schema["name"].replace("/", "::msg::dds_::") + "_"
-    if name not in made:
-        members = {field["name"]: of_schema(field["schema"]) for field in content}
-        members = members or {"structure_needs_at_least_one_member": types.uint8}
-        made[name] = make_idl_struct(name.split("::")[-1], name, members)
-    return made[name]
-
-
-def with_header(kind, type_name):
-    """The type of a request or reply in the mapping of rmw_cyclonedds."""
-    members = {"guid": types.uint64, "seq": types.int64}
-    members |= {field.name: kind.__annotations__[field.name] for field in fields(kind)}
-    return make_idl_struct(type_name.split("::")[-1], type_name, members)
-
-
-def qos_of(settings):
-    reliable = settings.get("reliable", True)
-    transient = settings.get("transient", False)
-    depth = settings.get("depth", 10)
-    return Qos(
-        Policy.Reliability.Reliable(duration(seconds=1)) if reliable else Policy.Reliability.BestEffort,
-        Policy.Durability.TransientLocal if transient else Policy.Durability.Volatile,
-        Policy.History.KeepLast(depth),
-        # as rmw_cyclonedds sets it: the messages for late readers are as many as the depth
-        Policy.DurabilityService(0, Policy.History.KeepLast(depth), -1, -1, -1),
-    )
+from dds_types import made, of_schema, qos_of, with_header
 
 
 def say(*words):
@@ -99,8 +42,9 @@ closed = threading.Event()
 
 
 def watch_input():
-    sys.stdin.read()
-    closed.set()
+    if role != "obey":
+        sys.stdin.read()
+        closed.set()
 
 
 role, settings = sys.argv[1], json.loads(sys.argv[2])
@@ -139,6 +83,81 @@ elif role == "subscribe":
     say("ready")
     for message in take(reader):
         say(message.serialize().hex())
+
+elif role == "obey":
+    # a node that does what its input says: each line is a command
+    readers, writers, held = {}, {}, set()
+    gid_kind = make_idl_struct("Gid_", "rmw_dds_common::msg::dds_::Gid_", {"data": types.array[types.uint8, 16]})
+    node_kind = make_idl_struct(
+        "NodeEntitiesInfo_",
+        "rmw_dds_common::msg::dds_::NodeEntitiesInfo_",
+        {
+            "node_namespace": str,
+            "node_name": str,
+            "reader_gid_seq": types.sequence[gid_kind],
+            "writer_gid_seq": types.sequence[gid_kind],
+        },
+    )
+    graph_kind = make_idl_struct(
+        "ParticipantEntitiesInfo_",
+        "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+        {"gid": gid_kind, "node_entities_info_seq": types.sequence[node_kind]},
+    )
+    latched = qos_of({"transient": True, "depth": 1})
+    graph = DataWriter(participant, topic("ros_discovery_info", graph_kind), qos=latched)
+    output = threading.Lock()
+
+    def gid(entity):
+        return gid_kind(data=list(entity.guid.bytes))
+
+    def publish_graph():
+        node = node_kind(
+            node_namespace="/",
+            node_name=settings["name"],
+            reader_gid_seq=[gid(it) for it, _ in readers.values()],
+            writer_gid_seq=[gid(it) for it, _ in writers.values()],
+        )
+        graph.write(graph_kind(gid=gid(participant), node_entities_info_seq=[node]))
+
+    def read_all():
+        while not closed.is_set():
+            for name, (reader, _) in list(readers.items()):
+                if name in held:
+                    continue
+                for sample in reader.take(64):
+                    if hasattr(sample, "sample_info") and sample.sample_info.valid_data:
+                        with output:
+                            say(name, sample.serialize().hex())
+            time.sleep(0.001)
+
+    threading.Thread(target=read_all, daemon=True).start()
+    say("ready")
+    for line in sys.stdin:
+        verb, name, *rest = json.loads(line)
+        if verb in ("subscribe", "advertise"):
+            kind = of_schema(rest[1], rest[0])
+            half, known = (DataReader, readers) if verb == "subscribe" else (DataWriter, writers)
+            known[name] = (half(participant, topic("rt" + name, kind), qos=qos_of(rest[2])), kind)
+            publish_graph()
+        elif verb == "publish":
+            writer, kind = writers[name]
+            writer.write(kind.deserialize(bytes.fromhex(rest[0])))
+        elif verb == "hold":
+            held.add(name)
+        elif verb == "release":
+            held.remove(name)
+        elif verb == "subscribers":
+            writer, _ = writers[name]
+            wait_for(lambda: writer.get_publication_matched_status().current_count >= rest[0])
+            # the other side may match later, on a busy machine much later
+            time.sleep(1)
+        elif verb == "publishers":
+            reader, _ = readers[name]
+            wait_for(lambda: reader.get_subscription_matched_status().current_count >= rest[0])
+            time.sleep(1)
+        with output:
+            say("done")
+    closed.set()
 
 elif role == "graph":
     kind = of_schema(settings["schema"], settings["type"])

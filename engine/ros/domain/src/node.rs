@@ -1,0 +1,204 @@
+//! A node of Cyclone DDS that does what a test says.
+
+use std::collections::VecDeque;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use asmotion_datum::{Codec, Datum, Schema};
+use asmotion_ros_interface::InterfaceName;
+use serde_json::{Value, json};
+
+use crate::peer::{LONG, Peer, catalogue, hex};
+
+/// A node of ROS whose DDS is Cyclone: it publishes its name in the graph.
+pub struct CycloneNode {
+    peer: Peer,
+    /// Messages that were not awaited yet: topic and content in CDR.
+    unread: VecDeque<(String, String)>,
+    kinds: Vec<(String, Schema)>,
+}
+
+/// The quality of service of a topic of a [`CycloneNode`]: reliable, volatile, depth 10 by default.
+#[derive(Clone, Copy, Debug)]
+pub struct TopicPolicies {
+    /// Lost messages are sent again.
+    pub is_reliable: bool,
+    /// Late subscribers get the last messages.
+    pub is_transient: bool,
+    /// Messages that are kept.
+    pub depth: usize,
+    /// Longest time between two messages.
+    pub deadline: Option<Duration>,
+}
+
+impl Default for TopicPolicies {
+    fn default() -> Self {
+        Self {
+            is_reliable: true,
+            is_transient: false,
+            depth: 10,
+            deadline: None,
+        }
+    }
+}
+
+impl TopicPolicies {
+    /// Best effort, as drivers of sensors have it.
+    pub fn best_effort() -> Self {
+        Self {
+            is_reliable: false,
+            ..Self::default()
+        }
+    }
+
+    /// Transient local with a depth.
+    pub fn latched(depth: usize) -> Self {
+        Self {
+            is_transient: true,
+            depth,
+            ..Self::default()
+        }
+    }
+
+    fn json(self) -> Value {
+        json!({
+            "reliable": self.is_reliable, "transient": self.is_transient, "depth": self.depth,
+            "deadline": self.deadline.map(|it| it.as_secs_f64()),
+        })
+    }
+}
+
+impl CycloneNode {
+    /// Starts a node with this name, in the root namespace.
+    ///
+    /// # Panics
+    /// It cannot be started.
+    pub fn start(python: &Path, domain: u16, name: &str) -> Self {
+        let node = Self {
+            peer: Peer::start(python, "obey", &json!({ "domain": domain, "name": name })),
+            unread: VecDeque::new(),
+            kinds: Vec::new(),
+        };
+        node.peer.expect("ready");
+        node
+    }
+
+    /// Gives a command to the node, and waits until it is done.
+    ///
+    /// # Panics
+    /// The node does not answer soon.
+    pub fn obey(&mut self, command: &Value) {
+        self.peer.tell(&command.to_string());
+        loop {
+            let line = self.peer.line();
+            if line == "done" {
+                return;
+            }
+            self.keep(&line);
+        }
+    }
+
+    /// Subscribes to a topic.
+    pub fn subscribe(&mut self, topic: &str, kind: &str, policies: TopicPolicies) {
+        self.open("subscribe", topic, kind, policies);
+    }
+
+    /// Announces a topic, which is published later, and waits until so many subscribers match.
+    pub fn advertise(&mut self, topic: &str, kind: &str, policies: TopicPolicies, matches: usize) {
+        self.open("advertise", topic, kind, policies);
+        self.await_subscribers(topic, matches);
+    }
+
+    /// Waits until so many subscribers match a topic that is announced.
+    pub fn await_subscribers(&mut self, topic: &str, matches: usize) {
+        self.obey(&json!(["subscribers", topic, matches]));
+    }
+
+    /// Waits until so many publishers match a topic that is subscribed to.
+    pub fn await_publishers(&mut self, topic: &str, matches: usize) {
+        self.obey(&json!(["publishers", topic, matches]));
+    }
+
+    fn open(&mut self, verb: &str, topic: &str, kind: &str, policies: TopicPolicies) {
+        let name: InterfaceName = kind.parse().unwrap();
+        let schema = catalogue().schema(&name).unwrap();
+        let type_name = format!("{}::msg::dds_::{}_", name.package(), name.name());
+        let policies = policies.json();
+        self.obey(&json!([verb, topic, type_name, &schema, policies]));
+        self.kinds.push((topic.to_owned(), schema));
+    }
+
+    fn schema(&self, topic: &str) -> &Schema {
+        let mut kinds = self.kinds.iter();
+        &kinds.find(|(name, _)| name == topic).expect("a topic").1
+    }
+
+    /// Publishes a message.
+    pub fn publish(&mut self, topic: &str, message: &Value) {
+        let schema = self.schema(topic);
+        let datum = Codec::Json.decode(message.to_string().as_bytes(), schema);
+        let bytes = Codec::Cdr.encode(&datum.unwrap(), schema).unwrap();
+        self.obey(&json!(["publish", topic, hex(&bytes)]));
+    }
+
+    /// The next message of a topic. Messages of other topics are kept.
+    ///
+    /// # Panics
+    /// There is none soon.
+    pub fn message(&mut self, topic: &str) -> Value {
+        let found = self.try_message(topic, LONG);
+        found.unwrap_or_else(|| panic!("no message of {topic}"))
+    }
+
+    /// The next message of a topic within a time.
+    pub fn try_message(&mut self, topic: &str, within: Duration) -> Option<Value> {
+        let end = Instant::now() + within;
+        loop {
+            if let Some(at) = self.unread.iter().position(|(of, _)| of == topic) {
+                let (_, digits) = self.unread.remove(at)?;
+                return Some(self.read(topic, &digits));
+            }
+            let left = end.checked_duration_since(Instant::now())?;
+            for line in self.peer.lines_for(left.min(Duration::from_millis(20))) {
+                self.keep(&line);
+            }
+        }
+    }
+
+    fn keep(&mut self, line: &str) {
+        let (topic, digits) = line.split_once(' ').expect("a message");
+        self.unread.push_back((topic.to_owned(), digits.to_owned()));
+    }
+
+    fn read(&self, topic: &str, digits: &str) -> Value {
+        let pair = |at| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
+        let bytes: Vec<u8> = (0..digits.len()).step_by(2).map(pair).collect();
+        let datum: Datum = Codec::Cdr.decode(&bytes, self.schema(topic)).unwrap();
+        serde_json::from_str(&asmotion_datum::json::encode(&datum).unwrap()).unwrap()
+    }
+
+    /// Takes no messages of a topic from DDS until they are released.
+    pub fn hold(&mut self, topic: &str) {
+        self.obey(&json!(["hold", topic]));
+    }
+
+    /// Takes messages of a topic again.
+    pub fn release(&mut self, topic: &str) {
+        self.obey(&json!(["release", topic]));
+    }
+
+    /// Stops the process, so that it reads nothing.
+    pub fn pause(&self) {
+        self.peer.signal("STOP");
+    }
+
+    /// Lets a stopped process go on.
+    pub fn go_on(&self) {
+        self.peer.signal("CONT");
+    }
+
+    /// Ends the node without a farewell.
+    pub fn kill(self) {
+        self.peer.kill();
+    }
+}

@@ -1,0 +1,294 @@
+//! Nodes of ROS 2.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use asmotion_component::Losses;
+use asmotion_datum::{Datum, Schema};
+use asmotion_ros_interface::{Catalogue, InterfaceName};
+use asmotion_ros2::{
+    Durability, EndpointKind, Graph, Node, NodeOptions, Notice, Publisher, Qos, Reliability,
+    Subscription, SubscriptionOptions,
+};
+
+use crate::mapped::MappedTopic;
+use crate::notices::Notices;
+use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
+use crate::operation_type::{OperationKind, OperationType};
+use crate::ros2_operations::{
+    Ros2GoalCaller, Ros2GoalServer, Ros2ServiceCaller, Ros2ServiceServer,
+};
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};
+
+/// Settings of a node of ROS 2.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ros2Settings {
+    /// Name of the node with its namespace, such as `/robot/coordinator`. Relative names of topics are in the namespace.
+    pub node: String,
+    /// Domain id. Nodes of other domains are not seen.
+    pub domain: u16,
+    /// Addresses of the network interfaces that are used; all if empty.
+    pub networks: Vec<IpAddr>,
+}
+
+/// Reaches the nodes of a domain of DDS.
+pub struct Ros2Transport {
+    settings: Ros2Settings,
+    catalogue: Arc<Catalogue>,
+}
+
+impl Ros2Transport {
+    /// Reaches the nodes of a domain, whose messages have these definitions.
+    pub fn new(settings: Ros2Settings, catalogue: Arc<Catalogue>) -> Self {
+        Self {
+            settings,
+            catalogue,
+        }
+    }
+}
+
+fn message(kind: &str) -> Result<InterfaceName, String> {
+    kind.parse().map_err(|error| format!("{error}"))
+}
+
+impl RosTransport for Ros2Transport {
+    fn schema(&self, kind: &str) -> Result<Schema, String> {
+        let schema = self.catalogue.schema(&message(kind)?);
+        schema.map_err(|error| error.to_string())
+    }
+
+    fn operation(&self, kind: &str) -> Result<OperationSchemas, String> {
+        let of = OperationType::known(&self.catalogue, kind)?;
+        let schemas = of.schemas(&self.catalogue);
+        schemas.map_err(|error| error.to_string())
+    }
+
+    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
+        let Ros2Settings {
+            node,
+            domain,
+            networks,
+        } = &self.settings;
+        let (namespace, name) = node.rsplit_once('/').unwrap_or(("", node));
+        let options = NodeOptions {
+            namespace: namespace.to_owned(),
+            domain: *domain,
+            networks: networks.clone(),
+            ..NodeOptions::named(name)
+        };
+        let node = Node::start(options, Arc::clone(&self.catalogue));
+        let node = node.map_err(|error| error.to_string())?;
+        node.wake_for_notices(Arc::clone(&wake));
+        let notices = Notices::default();
+        let name = node.full_name();
+        notices.keep(format!("joined the ROS 2 domain {domain} as `{name}`"));
+        // for the cycle that reports it
+        wake();
+        Ok(Box::new(Ros2Connection {
+            node,
+            catalogue: Arc::clone(&self.catalogue),
+            wake,
+            notices,
+        }))
+    }
+}
+
+struct Ros2Connection {
+    node: Node,
+    catalogue: Arc<Catalogue>,
+    wake: Wake,
+    notices: Notices,
+}
+
+fn qos(topic: &MappedTopic) -> Qos {
+    Qos {
+        reliability: if topic.is_best_effort {
+            Reliability::BestEffort
+        } else {
+            Reliability::Reliable
+        },
+        durability: if topic.is_latched {
+            Durability::TransientLocal
+        } else {
+            Durability::Volatile
+        },
+        depth: topic.queue,
+        deadline: topic.deadline,
+        lifespan: topic.lifespan,
+    }
+}
+
+impl RosConnection for Ros2Connection {
+    fn publish(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageSender>, String> {
+        let of = message(&topic.kind)?;
+        let publisher = self.node.publisher(&topic.ros, &of, qos(topic));
+        let publisher = publisher.map_err(|error| error.to_string())?;
+        Ok(Box::new(Ros2Sender(publisher)))
+    }
+
+    fn subscribe(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageReceiver>, String> {
+        let of = message(&topic.kind)?;
+        let options = SubscriptionOptions {
+            qos: qos(topic),
+            ignores_own: true,
+            waker: Some(Arc::clone(&self.wake)),
+        };
+        let subscription = self.node.subscription(&topic.ros, &of, options);
+        let subscription = subscription.map_err(|error| error.to_string())?;
+        Ok(Box::new(Ros2Receiver(subscription)))
+    }
+
+    fn call(&mut self, of: &MappedOperation) -> Result<Box<dyn OperationCaller>, String> {
+        let OperationType { name, kind } = OperationType::known(&self.catalogue, &of.kind)?;
+        let (node, wake) = (&self.node, &self.wake);
+        Ok(match kind {
+            OperationKind::Service => Box::new(Ros2ServiceCaller::new(node, &of.ros, &name, wake)?),
+            OperationKind::Action => Box::new(Ros2GoalCaller::new(node, &of.ros, &name, wake)?),
+        })
+    }
+
+    fn offer(&mut self, of: &MappedOperation) -> Result<Box<dyn OperationServer>, String> {
+        let found = OperationType::known(&self.catalogue, &of.kind)?;
+        let (node, wake) = (&self.node, &self.wake);
+        Ok(match found.kind {
+            OperationKind::Service => {
+                Box::new(Ros2ServiceServer::new(node, &of.ros, &found.name, wake)?)
+            }
+            OperationKind::Action => {
+                let schemas = found.schemas(&self.catalogue);
+                let schemas = schemas.map_err(|error| error.to_string())?;
+                let result = &schemas.response;
+                let server = Ros2GoalServer::new(node, &of.ros, &found.name, result, wake)?;
+                Box::new(server)
+            }
+        })
+    }
+
+    fn notices(&mut self) -> Vec<String> {
+        let new = self.node.take_notices();
+        if !new.is_empty() {
+            let graph = self.node.graph();
+            for notice in new {
+                // a peer that comes back is judged again, and each gap is an event of its own
+                if matches!(notice, Notice::Lost { .. } | Notice::Deadline { .. }) {
+                    self.notices.forget();
+                }
+                if let Some(text) = text(&notice, &graph) {
+                    self.notices.keep(text);
+                }
+            }
+        }
+        self.notices.take()
+    }
+}
+
+/// The topic of ROS for a topic of DDS.
+fn ros(topic: &str) -> &str {
+    topic.strip_prefix("rt").unwrap_or(topic)
+}
+
+/// A notice in words; `None` for one that is of no interest here.
+fn text(notice: &Notice, graph: &Graph) -> Option<String> {
+    let of_node = |peer| match graph.node_of(peer) {
+        Some(node) => format!(" of `{node}`"),
+        None => String::new(),
+    };
+    Some(match notice {
+        Notice::TypeHash {
+            topic,
+            peer,
+            here,
+            there,
+        } => format!(
+            "`{}`: a peer{} has another definition of the type: its hash is {there}, and {here} here",
+            ros(topic),
+            of_node(*peer)
+        ),
+        Notice::Type {
+            topic,
+            here,
+            there,
+            peer,
+        } => format!(
+            "`{}`: a peer{} has the type `{}`, and the bridge `{}`: no messages pass between them",
+            ros(topic),
+            of_node(*peer),
+            of_dds(there),
+            of_dds(here)
+        ),
+        Notice::Qos {
+            topic,
+            here,
+            there,
+            peer,
+            kind,
+        } => {
+            let (peer, name) = (of_node(*peer), ros(topic));
+            let both = match kind {
+                EndpointKind::Writer => {
+                    format!("a publisher{peer} offers {there}, and the bridge requests {here}")
+                }
+                EndpointKind::Reader => {
+                    format!("a subscriber{peer} requests {there}, and the bridge offers {here}")
+                }
+            };
+            format!("`{name}`: {both}: no messages pass between them (key `qos`)")
+        }
+        Notice::Deadline { topic, deadline } => format!(
+            "`{}`: no message within the deadline of {} ms",
+            ros(topic),
+            deadline.as_millis()
+        ),
+        Notice::Lost { nodes, topics, .. } => {
+            if topics.is_empty() {
+                return None;
+            }
+            let topics: Vec<_> = topics.iter().map(|it| format!("`{}`", ros(it))).collect();
+            let who = match &nodes[..] {
+                [] => "a peer".to_owned(),
+                nodes => format!("`{}`", nodes.join("`, `")),
+            };
+            format!("{who} no longer answers: lost on {}", topics.join(", "))
+        }
+    })
+}
+
+/// The type of ROS for a type of DDS.
+fn of_dds(type_name: &str) -> String {
+    let plain = type_name.trim_end_matches('_');
+    plain.replace("::msg::dds_::", "/")
+}
+
+struct Ros2Sender(Publisher);
+
+impl MessageSender for Ros2Sender {
+    fn send(&mut self, message: &Datum) -> Result<(), String> {
+        self.0.send(message).map_err(|error| error.to_string())
+    }
+
+    fn losses(&self) -> Losses {
+        Losses {
+            dropped: self.0.counts().dropped,
+            misfits: 0,
+        }
+    }
+}
+
+struct Ros2Receiver(Subscription);
+
+impl MessageReceiver for Ros2Receiver {
+    fn take(&mut self) -> Vec<Datum> {
+        std::iter::from_fn(|| self.0.take())
+            .map(|received| received.message)
+            .collect()
+    }
+
+    fn losses(&self) -> Losses {
+        let counts = self.0.counts();
+        Losses {
+            // lost on the way, or because the bridge was too slow
+            dropped: counts.dropped + counts.lost,
+            misfits: counts.malformed,
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Events that a user should see.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::endpoint::EndpointKind;
+use crate::gid::Gid;
+use crate::qos::Qos;
+
+/// Called on the thread of a node when something has arrived. It must not wait.
+pub type Waker = Arc<dyn Fn() + Send + Sync>;
+
+/// An event that a user should see.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Notice {
+    /// A peer announces another type hash for a topic or service of this node. Its messages are decoded all the same, and
+    /// counted as malformed where this fails.
+    TypeHash {
+        /// The topic of DDS.
+        topic: String,
+        /// The endpoint of the peer.
+        peer: Gid,
+        /// The hash here.
+        here: String,
+        /// The hash there.
+        there: String,
+    },
+    /// A peer has the same topic with another type, and does not match.
+    Type {
+        /// The topic of DDS.
+        topic: String,
+        /// The type here.
+        here: String,
+        /// The type there.
+        there: String,
+        /// The endpoint of the peer.
+        peer: Gid,
+    },
+    /// A peer has the same topic with a quality of service that does not match: a best-effort writer for a reliable reader, a
+    /// volatile writer for a transient local reader, or a writer with a longer deadline than the reader's.
+    Qos {
+        /// The topic of DDS.
+        topic: String,
+        /// The quality of service here.
+        here: Qos,
+        /// The quality of service there.
+        there: Qos,
+        /// The endpoint of the peer.
+        peer: Gid,
+        /// Its kind: writers offer, readers request.
+        kind: EndpointKind,
+    },
+    /// A subscription with a matched publisher received no message within its deadline. The next one ends the gap; a gap is
+    /// noticed once.
+    Deadline {
+        /// The topic of DDS.
+        topic: String,
+        /// The longest time between two messages.
+        deadline: Duration,
+    },
+    /// A participant has left, or its lease has ended.
+    Lost {
+        /// The id of the participant's first 12 bytes, in hexadecimal digits.
+        participant: String,
+        /// Names of its nodes, with their namespaces.
+        nodes: Vec<String>,
+        /// Topics of DDS on which it still matched endpoints of this node: none after a farewell.
+        topics: Vec<String>,
+    },
+}
+
+impl Notice {
+    /// The endpoint of a peer that it is about.
+    pub(crate) fn peer(&self) -> Option<Gid> {
+        match self {
+            Self::TypeHash { peer, .. } | Self::Type { peer, .. } | Self::Qos { peer, .. } => {
+                Some(*peer)
+            }
+            Self::Deadline { .. } | Self::Lost { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Replacements in a build without the feature `ros2`.
+
+use super::domain::DomainArguments;
+use super::printed::Printed;
+use crate::exit::Exit;
+use crate::feature::{LeftOut, Ros2};
+use crate::terminal::TerminalOutput;
+
+fn explain(terminal: &mut TerminalOutput) -> Exit {
+    terminal.error(LeftOut::new::<Ros2>());
+    Exit::Usage
+}
+
+pub(super) mod ros2_list {
+    use std::time::Duration;
+
+    use super::{DomainArguments, Exit, TerminalOutput, explain};
+
+    pub(in super::super) fn run(
+        _: &DomainArguments,
+        _: Duration,
+        _: bool,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
+        explain(terminal)
+    }
+}
+
+pub(super) mod ros2_echo {
+    use super::{DomainArguments, Exit, Printed, TerminalOutput, explain};
+
+    pub(in super::super) fn run(
+        _: &str,
+        _: &DomainArguments,
+        _: &Printed,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
+        explain(terminal)
+    }
+}
