@@ -259,9 +259,18 @@ impl RosNode {
         &self,
         topic: &str,
     ) -> Result<Option<RosSubscriptionCounts>, RosError> {
+        let found = self.topic_subscription(topic)?;
+        Ok(found.map(|it| it.counts()))
+    }
+
+    /// The subscription of a topic; `None` if it is not subscribed.
+    pub(crate) fn topic_subscription(
+        &self,
+        topic: &str,
+    ) -> Result<Option<Arc<TopicSubscription>>, RosError> {
         let topic = self.context.name.resolve(topic)?;
         let subscriptions = lock(&self.tables.subscriptions);
-        Ok(subscriptions.get(&topic).map(|it| it.counts()))
+        Ok(subscriptions.get(&topic).cloned())
     }
 
     /// Provides a service. At most `size` requests wait. A reply with a [`Refusal`] is an error at the caller, with code and

@@ -11,6 +11,7 @@ use super::message::{self, ActionType, GoalId, StatedStatus};
 use super::state::{ActionEvent, GoalOutcome, GoalPhase};
 use crate::error::RosError;
 use crate::node::{RosNode, RosPublisher};
+use crate::subscription::TopicSubscription;
 
 /// Messages that can wait for [`ActionClient::update`].
 const QUEUE: usize = 100;
@@ -26,6 +27,8 @@ pub struct ActionClient {
     status: Subscription,
     feedback: Subscription,
     result: Subscription,
+    /// The subscriptions of feedback and results, as the node has them.
+    answers: Vec<Arc<TopicSubscription>>,
     goals: BTreeMap<GoalId, GoalPhase>,
     /// Name of the server, and when it has sent its last status.
     server: Option<(Arc<str>, Instant)>,
@@ -79,26 +82,38 @@ impl ActionClient {
         let publish = |topic: &str, of: &crate::interface::TopicType| {
             node.publisher(&format!("{server}/{topic}"), of.clone(), QUEUE, false)
         };
+        let status = subscribe("status", &of.status)?;
+        let feedback = subscribe("feedback", &of.feedback)?;
+        let result = subscribe("result", &of.result)?;
+        let mut answers = Vec::new();
+        for topic in ["feedback", "result"] {
+            answers.extend(node.topic_subscription(&format!("{server}/{topic}"))?);
+        }
         Ok(Self {
             node: node.name().shared(),
             begun: crate::subscription::now(),
             number: 0,
             goal: publish("goal", &of.goal)?,
             cancel: publish("cancel", &of.cancel)?,
-            status: subscribe("status", &of.status)?,
-            feedback: subscribe("feedback", &of.feedback)?,
-            result: subscribe("result", &of.result)?,
+            status,
+            feedback,
+            result,
+            answers,
             goals: BTreeMap::new(),
             server: None,
             unreadable: 0,
         })
     }
 
-    /// Returns `true` if goals reach a server: one has sent a status, and is subscribed to goals and cancellations.
+    /// Returns `true` if goals reach a server, and its answers this client: one has sent a status and is subscribed to goals and
+    /// cancellations, and feedback and results are connected. The result of a goal that ends at once would else be lost.
     pub fn is_connected(&self) -> bool {
         let Some((server, _)) = &self.server else {
             return false;
         };
+        if self.answers.iter().any(|it| it.counts().publishers == 0) {
+            return false;
+        }
         [&self.goal, &self.cancel].iter().all(|publisher| {
             let subscribers = publisher.counts().subscribers;
             subscribers.iter().any(|it| it.node == *server)
