@@ -240,7 +240,7 @@ fn narrowed(program: &Program, initial: &[ValueFact], preserved: Vec<ValueFact>)
     facts
 }
 
-/// Widens the bounds that have changed, to those of the codomain if it has any.
+/// Widens the bounds that have changed, to those of the codomain if it has any, or else to infinity: each changes at most twice.
 fn widened(program: &Program, before: &[ValueFact], after: &[ValueFact]) -> Vec<ValueFact> {
     let facts = before.iter().zip(after).zip(&program.functions);
     let widen =
@@ -256,10 +256,12 @@ fn widened(program: &Program, before: &[ValueFact], after: &[ValueFact]) -> Vec<
             };
             let mut wide = *after;
             if after.interval.low < before.interval.low {
-                wide.interval.low = bounds.low.min(after.interval.low);
+                let is_within = after.interval.low >= bounds.low;
+                wide.interval.low = if is_within { bounds.low } else { i64::MIN };
             }
             if after.interval.high > before.interval.high {
-                wide.interval.high = bounds.high.max(after.interval.high);
+                let is_within = after.interval.high <= bounds.high;
+                wide.interval.high = if is_within { bounds.high } else { i64::MAX };
             }
             wide
         };
@@ -393,10 +395,16 @@ impl Evaluation<'_> {
         {
             let low = value.interval.low.max(low);
             let high = value.interval.high.min(high);
-            if low <= high {
+            return if low <= high {
                 let interval = IntegerInterval { low, high };
-                return ValueFact { interval, ..value };
-            }
+                ValueFact { interval, ..value }
+            } else {
+                // the step fails
+                ValueFact {
+                    may_be_undef: value.may_be_undef,
+                    ..ValueFact::UNDEF
+                }
+            };
         }
         value
     }

@@ -25,6 +25,7 @@ const SIGNATURE: &str = "
     controlled m: Integer
     controlled sum: Integer
     controlled product: Integer
+    controlled high: Cell
 ";
 
 fn specification(rules: &str) -> Specification {
@@ -33,7 +34,7 @@ fn specification(rules: &str) -> Specification {
          main rule r_Main = {rules}\ndefault init s:\n function light($c in Colour) = $c = GREEN\n \
          function level($i in Cell) = $i * 7\n function board($r in Row, $i in Cell) = $r + $i\n \
          function flag($b in Boolean) = 0\n function last = RED\n function n = 1\n function m = 0\n function sum = 0\n \
-         function product = 1\n"
+         function product = 1\n function high = 4\n"
     );
     let mut files = MemoryFiles::new();
     files.add("t", text.as_str());
@@ -158,4 +159,11 @@ fn sums_at_the_limits_of_integers_agree() {
     ] {
         agrees(rules);
     }
+}
+
+/// The bounds of a location do not grow for ever if an update is always beyond its domain.
+#[test]
+fn an_update_beyond_every_value_of_its_domain_agrees() {
+    agrees("high := high + 1");
+    agrees("if n < 3 then n := n + 1 else high := high + 1 endif");
 }
