@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use asmotion_datum::Datum;
-use asmotion_ros2::{Goal, GoalEvent, GoalStatus, ServiceMapping};
+use asmotion_ros2::{
+    ActionServer, Goal, GoalEvent, GoalId, GoalRequest, GoalStatus, ServiceMapping,
+};
 
 use crate::peer::{
     LONG, Peer, action_kinds, catalogue, domain, encode, hex, named, node, python, topic_settings,
@@ -107,6 +109,88 @@ fn an_action_without_a_server_fails_at_its_deadline() {
         .unwrap();
     let mut goal = client.send(order(1), Duration::from_millis(200), LONG);
     assert!(matches!(event(&mut goal), GoalEvent::Failed(_)));
+}
+
+fn sequence(numbers: &[i64]) -> Datum {
+    let numbers = numbers.iter().map(|it| Datum::Int(*it));
+    Datum::record([("sequence", Datum::List(numbers.collect()))])
+}
+
+/// The next goal that a server is asked for.
+fn asked(server: &mut ActionServer) -> (GoalId, Datum) {
+    wait("goal", || match server.take().pop()? {
+        GoalRequest::Goal { goal, content } => Some((goal, content)),
+        GoalRequest::Cancel { goal } => panic!("{goal:?}"),
+    })
+}
+
+/// The end of a goal. The server answers requests for results meanwhile.
+fn end(goal: &mut Goal, server: &mut ActionServer) -> (GoalStatus, Datum) {
+    wait("end", || {
+        server.take();
+        match goal.take()? {
+            GoalEvent::Finished(status, result) => Some((status, result)),
+            GoalEvent::Accepted
+            | GoalEvent::Feedback(_)
+            | GoalEvent::Status(_)
+            | GoalEvent::CancelAnswered(0) => None,
+            other @ (GoalEvent::Rejected
+            | GoalEvent::CancelAnswered(_)
+            | GoalEvent::CancelFailed(_)
+            | GoalEvent::Failed(_)) => panic!("{other:?}"),
+        }
+    })
+}
+
+#[test]
+fn a_server_accepts_rejects_ends_and_cancels_goals() {
+    let domain = domain();
+    let (one, other) = (node("server", domain), node("client", domain));
+    let mapping = ServiceMapping::OfPeer;
+    let of = named(FIBONACCI);
+    let mut server = one.action_server("/fibonacci", &of, mapping).unwrap();
+    let client = other.action_client("/fibonacci", &of, mapping).unwrap();
+
+    let mut goal = client.send(order(3), LONG, LONG);
+    let (id, content) = asked(&mut server);
+    assert_eq!(content.get("order").unwrap().as_int(), Some(3));
+    server.accept(id);
+    assert_eq!(event(&mut goal), GoalEvent::Accepted);
+    server.tell(id, sequence(&[0, 1])).unwrap();
+    wait("feedback", || {
+        server.take();
+        matches!(goal.take(), Some(GoalEvent::Feedback(_))).then_some(())
+    });
+    server
+        .end(id, GoalStatus::Succeeded, sequence(&[0, 1, 1, 2]))
+        .unwrap();
+    let (status, result) = end(&mut goal, &mut server);
+    assert_eq!(status, GoalStatus::Succeeded);
+    assert_eq!(result.get("sequence").unwrap().count(), Some(4));
+
+    let mut refused = client.send(order(-1), LONG, LONG);
+    let (id, _) = asked(&mut server);
+    server.reject(id);
+    assert_eq!(event(&mut refused), GoalEvent::Rejected);
+
+    let mut goal = client.send(order(9), LONG, LONG);
+    let (id, _) = asked(&mut server);
+    server.accept(id);
+    assert_eq!(event(&mut goal), GoalEvent::Accepted);
+    goal.cancel(LONG);
+    let request = wait("cancellation", || server.take().pop());
+    assert_eq!(request, GoalRequest::Cancel { goal: id });
+    server.end(id, GoalStatus::Canceled, sequence(&[])).unwrap();
+    let (status, _) = end(&mut goal, &mut server);
+    assert_eq!(status, GoalStatus::Canceled);
+
+    // without a request to cancel, a goal does not end as cancelled
+    let mut goal = client.send(order(9), LONG, LONG);
+    let (id, _) = asked(&mut server);
+    server.accept(id);
+    server.end(id, GoalStatus::Canceled, sequence(&[])).unwrap();
+    let (status, _) = end(&mut goal, &mut server);
+    assert_eq!(status, GoalStatus::Aborted);
 }
 
 #[test]
