@@ -28,7 +28,7 @@ pub enum ConverterError {
         "`{text}` is no converter: write units, as in `rad = deg`, or values, as in `IDLE = 0, MOVING = 1`"
     )]
     Text {
-        /// The text.
+        /// Text of the converter.
         text: String,
     },
     /// Units of different quantities.
@@ -38,9 +38,9 @@ pub enum ConverterError {
         here: &'static str,
         /// Unit there.
         there: &'static str,
-        /// What the unit here measures.
+        /// Quantity of `here`, such as length.
         quantity_here: &'static str,
-        /// What the unit there measures.
+        /// Quantity of `there`.
         quantity_there: &'static str,
     },
     /// A value that occurs twice, so that one direction is not decided.
@@ -49,7 +49,7 @@ pub enum ConverterError {
     /// A side has no such field.
     #[error("there is no field `{path}` {side}")]
     NoField {
-        /// The path.
+        /// Path of the field in the message.
         path: String,
         /// `here` or `there`.
         side: &'static str,
@@ -57,13 +57,13 @@ pub enum ConverterError {
     /// A field that cannot have the values.
     #[error("`{path}` is `{found}` {side}; it must be {wanted}")]
     Shape {
-        /// The path.
+        /// Path of the field in the message.
         path: String,
         /// `here` or `there`.
         side: &'static str,
-        /// Its type.
+        /// Type of the field.
         found: String,
-        /// What it must be.
+        /// Type that the converter needs.
         wanted: &'static str,
     },
 }

@@ -305,7 +305,7 @@ impl LengthLimit for std::ops::Range<u64> {
 pub(crate) struct StepCode<const W: usize> {
     /// Commands with updates, in the order of their alternatives.
     pub commands: Vec<Command<W>>,
-    /// What these access.
+    /// Variables that each of `commands` accesses, in the same order.
     pub accesses: Vec<CommandAccesses>,
     /// Commands without updates.
     pub idle: Vec<Command<W>>,
