@@ -22,6 +22,7 @@ pub(crate) mod r020;
 pub(crate) mod r021;
 pub(crate) mod r022;
 pub(crate) mod r023;
+pub(crate) mod r024;
 pub(crate) mod v023;
 pub(crate) mod v024;
 pub(crate) mod w030;
@@ -65,6 +66,7 @@ const CODES: &[&Code] = &[
     r021::TooManyCalls::CODE,
     r022::ReadsForeignValue::CODE,
     r023::WritesNowhere::CODE,
+    r024::NoConstrainedInputs::CODE,
     v023::UnreadableScenario::CODE,
     v024::UnknownSpecification::CODE,
 ];

@@ -23,6 +23,7 @@ use crate::codes::r020::PickedNoCandidate;
 use crate::codes::r021::TooManyCalls;
 use crate::codes::r022::ReadsForeignValue;
 use crate::codes::r023::WritesNowhere;
+use crate::codes::r024::NoConstrainedInputs;
 use crate::codes::w030::BeginsOutside;
 use crate::specification::Specification;
 use asmotion_diagnostics::{Diagnostic, Finding, Report};
@@ -66,7 +67,11 @@ impl Specification {
         if let Some(witness) = machine.witness(fault) {
             finding = values::add(finding, fault, &witness, self, &show);
         }
-        finding = values::add_inputs(finding, machine);
+        finding = if let FaultKind::NoInputs { is_exhaustive, .. } = fault.kind {
+            values::add_drawn_inputs(finding, machine, is_exhaustive)
+        } else {
+            values::add_inputs(finding, machine)
+        };
         if fault.step > 0 && fault.step == machine.steps() {
             finding = values::add_updates(finding, machine);
         }
@@ -203,6 +208,21 @@ impl Specification {
                     assumes: invariant.assumes,
                     is_constraint: invariant.is_constraint,
                     step: fault.step,
+                    when,
+                    at,
+                }
+                .diagnostic()
+            }
+            FaultKind::NoInputs {
+                constraints,
+                is_exhaustive,
+            } => {
+                let name = |index: &usize| format!("`{}`", self.program.invariants[*index].name);
+                let names: Vec<String> = constraints.iter().map(name).collect();
+                NoConstrainedInputs {
+                    are_several: names.len() > 1,
+                    names: names.join(", "),
+                    is_exhaustive: *is_exhaustive,
                     when,
                     at,
                 }

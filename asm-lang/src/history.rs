@@ -4,7 +4,7 @@ use crate::session::Session;
 use asmotion_diagnostics::Report;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
 use asmotion_machine::{Environment, Machine, StepFault};
-use asmotion_simulate::{Random, RecordedStep, Recording, Seeded};
+use asmotion_simulate::{ConstrainedInputs, InputValues, Random, RecordedStep, Recording, Seeded};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 
@@ -71,9 +71,26 @@ pub struct LastWrite {
 /// Inputs that keep their value until they are set again or released.
 #[derive(Clone)]
 struct UserInputs {
-    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
+    values: InputValues,
     /// Source of all other inputs; `None` makes them undef.
     otherwise: Option<Box<Random>>,
+}
+
+impl UserInputs {
+    /// Executes a step, with random inputs that satisfy the constraints of the specification together with the held ones.
+    fn step(
+        &mut self,
+        machine: &mut Machine,
+        choices: &mut Seeded,
+        now_ns: i64,
+    ) -> Result<(), Box<StepFault>> {
+        let drawn = match &mut self.otherwise {
+            Some(random) => random.constrained_inputs(machine, &self.values, now_ns)?,
+            None => InputValues::new(),
+        };
+        let mut inputs = ConstrainedInputs::new(drawn, self);
+        machine.step(&mut inputs, choices, now_ns).map(|_| ())
+    }
 }
 
 impl Environment for UserInputs {
@@ -103,7 +120,7 @@ impl History {
         };
         let present = SessionState {
             inputs: UserInputs {
-                values: BTreeMap::new(),
+                values: InputValues::new(),
                 otherwise: is_random.then(random),
             },
             choices: Seeded::new(seed),
@@ -344,14 +361,15 @@ impl History {
                 let done = match recorded {
                     Some((mut inputs, mut choices, now_ns)) => {
                         let machine = &mut self.session.machine;
-                        machine.step(&mut inputs, &mut choices, now_ns)
+                        let done = machine.step(&mut inputs, &mut choices, now_ns);
+                        done.map(|_| ())
                     }
                     None => {
                         let machine = &mut self.session.machine;
-                        machine.step(inputs, choices, now_ns + STEP_NS)
+                        inputs.step(machine, choices, now_ns + STEP_NS)
                     }
                 };
-                let done = done.map(|_| ()).map_err(|fault| self.report(&fault));
+                let done = done.map_err(|fault| self.report(&fault));
                 self.note_updates(true);
                 done
             }

@@ -5,8 +5,8 @@ use super::said;
 use asmotion::codes::all;
 use asmotion_diagnostics::Code;
 use asmotion_lang::scenario::ScenarioSettings;
-use asmotion_lang::simulate::Script;
 use asmotion_lang::simulate::scenario::ScenarioOptions;
+use asmotion_lang::simulate::{Causes, Random, Script, Simulation, SimulationError};
 use asmotion_lang::{MemoryFiles, OpenFailure, Report, Sources, Style, render_all};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -80,6 +80,8 @@ fn example(code: &Code, which: &str) -> Option<BTreeSet<String>> {
     let (found, rendered) = if let Some(text) = code.example(&format!("asm {which}")) {
         let (found, _) = said("example", text);
         return Some(found.iter().map(|(_, code)| (*code).to_owned()).collect());
+    } else if let Some(text) = code.example(&format!("asm random {which}")) {
+        of_random(text)
     } else if let Some(mission) = code.example(&format!("toml mission {which}")) {
         of_mission(mission)
     } else if let Some(script) = code.example(&format!("toml {which}")) {
@@ -141,6 +143,22 @@ fn of_mission(mission: &str) -> (BTreeSet<String>, String) {
         is_code.then(|| code.to_owned())
     });
     (codes.collect(), lines.join("\n"))
+}
+
+/// Simulates a specification with random inputs.
+fn of_random(text: &str) -> (BTreeSet<String>, String) {
+    let specification = super::opened("example", text);
+    let machine = specification.machine().unwrap();
+    let inputs = Random::new(specification.program.clone(), &machine, 1);
+    let mut simulation = Simulation::new(machine, Causes::Random(Box::new(inputs)), 1);
+    let mut report = Report::new();
+    for _ in 0..10 {
+        if let Err(SimulationError::Fault(fault)) = simulation.step() {
+            report.push(specification.explain_in(&fault, simulation.machine()));
+            break;
+        }
+    }
+    shown(&report, &specification.sources)
 }
 
 fn of_script(specification: &str, script: &str) -> (BTreeSet<String>, String) {

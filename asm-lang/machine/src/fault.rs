@@ -99,6 +99,13 @@ pub enum FaultKind {
         /// Value of the condition: false or undef.
         value: Value,
     },
+    /// No inputs that a random simulation draws satisfy the constraints (`INVAR`) of the program.
+    NoInputs {
+        /// Indices of the constraints that did not hold, into [`Program::invariants`](asmotion_ir::Program::invariants).
+        constraints: Vec<usize>,
+        /// `true` if all values that can be drawn were tried.
+        is_exhaustive: bool,
+    },
     /// The values picked for a `choose` from outside are not candidates.
     NoCandidate(Vec<Value>),
     /// The program is a module, which has no main rule.

@@ -29,8 +29,11 @@ impl Witness {
 impl Machine {
     /// Explains the fault of the step that has just failed; `None` if it cannot be reproduced.
     pub fn witness(&self, fault: &StepFault) -> Option<Witness> {
-        if matches!(fault.kind, FaultKind::ManyCalls(_)) {
-            // would take as long as the step itself, or longer
+        if matches!(
+            fault.kind,
+            FaultKind::ManyCalls(_) | FaultKind::NoInputs { .. }
+        ) {
+            // would take as long as the step itself, or longer; there was no step
             return None;
         }
         let last = self.last_step();

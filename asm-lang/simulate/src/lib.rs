@@ -4,6 +4,7 @@
 mod awaited_update;
 mod clock;
 mod codes;
+mod constrained_inputs;
 mod environment;
 mod failed_condition;
 mod literal;
@@ -18,6 +19,7 @@ mod trace;
 pub use awaited_update::{AwaitError, AwaitedUpdate};
 pub use clock::SimulationClock;
 pub use codes::CODES;
+pub use constrained_inputs::{ConstrainedInputs, InputValues};
 pub use environment::Script;
 pub use partner::ScriptedAnswer;
 pub use random::{Random, Seeded};

@@ -45,7 +45,19 @@ pub struct Random {
 }
 
 const NUMBERS: std::ops::RangeInclusive<i64> = -100..=100;
+const NUMBER_COUNT: u64 = 201;
+const NATURAL_COUNT: u64 = 101;
+const LETTERS: &[u8] = b"abcdefghijklmnopqrstuvwxyz";
 const WORDS: &[&str] = &["", "a", "b", "alpha", "beta"];
+
+/// The number of values that can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CandidateCount {
+    /// All of them can be listed.
+    Finite(u64),
+    /// More than can be listed.
+    Many,
+}
 
 impl Random {
     /// Creates the sequence of inputs for a seed and a machine.
@@ -69,7 +81,95 @@ impl Random {
         }
     }
 
-    fn value(&mut self, shape: &ValueShape) -> Value {
+    /// Returns whether the values of an input are random; the time and messages are not.
+    pub(crate) fn is_drawn(&self, function: FunctionId) -> bool {
+        let declared = &self.program.functions[function.0 as usize];
+        declared.clock.is_none() && declared.mail.is_none()
+    }
+
+    /// Returns a number less than `count`, or 0.
+    pub(crate) fn below(&mut self, count: u64) -> u64 {
+        self.random.random_range(0..count.max(1))
+    }
+
+    /// Returns the number of values that [`Random::value`] draws for a shape.
+    pub(crate) fn candidates(&self, shape: &ValueShape) -> CandidateCount {
+        let count = match shape {
+            ValueShape::Bool => 2,
+            ValueShape::Int | ValueShape::Real => NUMBER_COUNT,
+            ValueShape::Natural => NATURAL_COUNT,
+            ValueShape::Char => LETTERS.len() as u64,
+            ValueShape::Text => WORDS.len() as u64,
+            ValueShape::Domain(domain) => {
+                let index = domain.0 as usize;
+                if let asmotion_ir::DomainElements::Ints { low, high } =
+                    self.program.domains[index].elements
+                {
+                    high.abs_diff(low).saturating_add(1)
+                } else {
+                    (self.extents[index].len() as u64).max(1)
+                }
+            }
+            ValueShape::Tuple(items) => {
+                let product = items.iter().try_fold(1_u64, |product, item| {
+                    let CandidateCount::Finite(count) = self.candidates(item) else {
+                        return None;
+                    };
+                    product.checked_mul(count)
+                });
+                return product.map_or(CandidateCount::Many, CandidateCount::Finite);
+            }
+            ValueShape::Seq(_) | ValueShape::Set(_) | ValueShape::Bag(_) | ValueShape::Map(..) => {
+                return CandidateCount::Many;
+            }
+            ValueShape::Complex | ValueShape::Rule | ValueShape::Any => 1,
+        };
+        CandidateCount::Finite(count)
+    }
+
+    /// Returns one of the [`Random::candidates`] by its index.
+    pub(crate) fn candidate(&self, shape: &ValueShape, index: u64) -> Value {
+        let number = |low: i64| low.saturating_add_unsigned(index);
+        match shape {
+            ValueShape::Bool => Value::Bool(index == 1),
+            ValueShape::Int => Value::Int(number(*NUMBERS.start())),
+            ValueShape::Natural => Value::Int(number(0)),
+            ValueShape::Real => Value::real(number(*NUMBERS.start()) as f64 / 4.0),
+            ValueShape::Char => Value::Char(char::from(LETTERS[index as usize])),
+            ValueShape::Text => Value::text(WORDS[index as usize]),
+            ValueShape::Domain(domain) => {
+                let domain = domain.0 as usize;
+                if let asmotion_ir::DomainElements::Ints { low, .. } =
+                    self.program.domains[domain].elements
+                {
+                    return Value::Int(number(low));
+                }
+                let element = self.extents[domain].get(index as usize);
+                element.cloned().unwrap_or_default()
+            }
+            ValueShape::Tuple(items) => {
+                let mut index = index;
+                let items = items.iter().map(|item| {
+                    let CandidateCount::Finite(count) = self.candidates(item) else {
+                        return Value::Undef;
+                    };
+                    let value = self.candidate(item, index % count);
+                    index /= count;
+                    value
+                });
+                Value::tuple(items.collect::<Vec<_>>())
+            }
+            ValueShape::Seq(_)
+            | ValueShape::Set(_)
+            | ValueShape::Bag(_)
+            | ValueShape::Map(..)
+            | ValueShape::Complex
+            | ValueShape::Rule
+            | ValueShape::Any => Value::Undef,
+        }
+    }
+
+    pub(crate) fn value(&mut self, shape: &ValueShape) -> Value {
         match shape {
             ValueShape::Bool => Value::Bool(self.random.random_bool(0.5)),
             ValueShape::Int => Value::Int(self.random.random_range(NUMBERS)),
@@ -124,8 +224,8 @@ impl Environment for Random {
     ) -> Result<Option<Value>, String> {
         let program = self.program.clone();
         let declared = &program.functions[function.0 as usize];
-        // the time and messages are not random
-        let is_known = declared.clock.is_some() || declared.mail.is_some();
-        Ok((!is_known).then(|| self.value(&declared.codomain)))
+        Ok(self
+            .is_drawn(function)
+            .then(|| self.value(&declared.codomain)))
     }
 }

@@ -1,6 +1,7 @@
 //! Simulation: a machine with the source of its inputs, choices and times, and an optional trace.
 
 use crate::clock::SimulationClock;
+use crate::constrained_inputs::{ConstrainedInputs, InputValues};
 use crate::environment::Script;
 use crate::partner::ScriptedPartners;
 use crate::random::{Random, Seeded};
@@ -149,7 +150,11 @@ impl Simulation {
                 self.partners.schedule_replies(machine);
                 script.advance();
             }
-            Causes::Random(random) => step(machine, &mut **random, choices, now_ns)?,
+            Causes::Random(random) => {
+                let drawn = random.constrained_inputs(machine, &InputValues::new(), now_ns)?;
+                let mut inputs = ConstrainedInputs::new(drawn, &mut **random);
+                step(machine, &mut inputs, choices, now_ns)?;
+            }
             Causes::Recording(recording) => {
                 let number = machine.steps();
                 let recorded = recording.step(number as usize);

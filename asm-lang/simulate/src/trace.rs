@@ -77,7 +77,11 @@ impl Trace {
         let step = machine.last_step();
         // a fault of step 0 appears in the first step, which completes the initial state
         self.causes(machine, &step, fault.step.max(1));
-        if let FaultKind::Invariant { index, .. } = &fault.kind {
+        if let FaultKind::NoInputs { constraints, .. } = &fault.kind {
+            for index in constraints {
+                self.invariant(machine.program(), *index, "pre");
+            }
+        } else if let FaultKind::Invariant { index, .. } = &fault.kind {
             let is_before = fault.step == 0 || machine.program().invariants[*index].assumes;
             if !is_before {
                 self.effects(machine, &step);
@@ -220,7 +224,7 @@ fn kind(fault: &StepFault) -> &'static str {
         | FaultKind::OutsideInput { .. }
         | FaultKind::OutsideArgument { .. } => "DOMAIN",
         FaultKind::Input { .. } => "MONREAD",
-        FaultKind::Invariant { .. } => "INV",
+        FaultKind::Invariant { .. } | FaultKind::NoInputs { .. } => "INV",
         FaultKind::UndefinedGuard => "EXC:UndefinedGuard",
         FaultKind::Library(_) => "EXC:Library",
         FaultKind::Infinite => "EXC:Infinite",

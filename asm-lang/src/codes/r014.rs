@@ -4,7 +4,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///
 /// An invariant must hold in every state. An invariant that reads inputs is an assumption about them
 /// and is checked before the step, as is a constraint (`INVAR`) that reads inputs. Any other invariant is checked after the step,
-/// and the message shows the updates that led to the state.
+/// and the message shows the updates that led to the state. A condition that is undef is violated.
 ///
 /// ```asm wrong
 /// asm example

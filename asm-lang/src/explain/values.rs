@@ -64,6 +64,26 @@ pub(super) fn add_inputs(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     listed(finding, "inputs of the step", inputs.collect())
 }
 
+/// Adds the inputs for which a random simulation found no values.
+pub(super) fn add_drawn_inputs(
+    finding: Diagnostic,
+    machine: &Machine,
+    is_exhaustive: bool,
+) -> Diagnostic {
+    let inputs = machine.last_step().inputs().iter();
+    let names = inputs.map(|it| format!("`{}`", asmotion_simulate::location(machine, it.slot)));
+    let names: Vec<String> = names.collect();
+    if names.is_empty() {
+        return finding.note("it does not hold in this state, whatever the inputs are");
+    }
+    let what = if is_exhaustive {
+        "inputs tried with all values that a random simulation draws"
+    } else {
+        "inputs tried with many of their values, not all"
+    };
+    listed(finding, what, names)
+}
+
 /// Adds the updates of the step that led to the faulty state.
 pub(super) fn add_updates(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     let updates = asmotion_simulate::updates(machine, &machine.last_step());

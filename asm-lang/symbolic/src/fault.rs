@@ -50,6 +50,7 @@ impl FaultClass {
             | FaultKind::Unbounded
             | FaultKind::Input { .. }
             | FaultKind::Invariant { .. }
+            | FaultKind::NoInputs { .. }
             | FaultKind::NoCandidate(_)
             | FaultKind::NoMain => Self::Other,
         }

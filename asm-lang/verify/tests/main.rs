@@ -22,6 +22,7 @@ mod naive;
 mod naive_systems;
 mod nusmv;
 mod observer;
+mod random_inputs;
 mod reuse;
 mod runs;
 mod scripted_partners;

@@ -24,7 +24,7 @@ impl Verdict {
     /// Returns the verdict for a fault.
     pub(super) fn of(fault: &StepFault) -> Self {
         match fault.kind {
-            FaultKind::Invariant { .. } => Self::Invariant,
+            FaultKind::Invariant { .. } | FaultKind::NoInputs { .. } => Self::Invariant,
             FaultKind::NoCandidate(_) => Self::Fail,
             FaultKind::Clash { .. }
             | FaultKind::Outside { .. }
