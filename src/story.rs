@@ -19,7 +19,9 @@ pub use summary::{EventCounts, Summary};
 use std::collections::BTreeMap;
 
 use asmotion_component::{CallError, LOG_REPORT, Losses, NOTICE_REPORT, Time};
-use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT};
+use asmotion_coordinator::{
+    BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT,
+};
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
 use asmotion_plan::Plan;
@@ -215,6 +217,11 @@ impl Story {
                 let record: StepRecord = what.to().ok()?;
                 self.summary.step(component, &record);
                 Some(step::entry(component, &record))
+            }
+            BAD_REPLY_REPORT => {
+                let reply: BadReply = what.to().ok()?;
+                let (reference, operation) = (&reply.reference, &reply.operation);
+                Some(self.reply_entry(reference, operation, Err(&reply.error())))
             }
             UNSENT_REPORT => {
                 let missing = what.as_text().unwrap_or_default();

@@ -36,3 +36,30 @@ pub enum ValueShape {
     /// Values of any shape.
     Any,
 }
+
+impl ValueShape {
+    /// Returns the domain of the values in the notation of the language; `declared` returns the text of a declared domain.
+    pub fn domain_text(&self, declared: &dyn Fn(DomainId) -> String) -> String {
+        let inner = |shape: &Self| shape.domain_text(declared);
+        match self {
+            Self::Bool => "Boolean".to_owned(),
+            Self::Int => "Integer".to_owned(),
+            Self::Natural => "Natural".to_owned(),
+            Self::Real => "Real".to_owned(),
+            Self::Char => "Char".to_owned(),
+            Self::Text => "String".to_owned(),
+            Self::Complex => "Complex".to_owned(),
+            Self::Rule => "Rule".to_owned(),
+            Self::Any => "Any".to_owned(),
+            Self::Domain(domain) => declared(*domain),
+            Self::Tuple(items) => {
+                let items: Vec<String> = items.iter().map(inner).collect();
+                format!("Prod({})", items.join(", "))
+            }
+            Self::Seq(item) => format!("Seq({})", inner(item)),
+            Self::Set(item) => format!("Powerset({})", inner(item)),
+            Self::Bag(item) => format!("Bag({})", inner(item)),
+            Self::Map(key, content) => format!("Map({}, {})", inner(key), inner(content)),
+        }
+    }
+}

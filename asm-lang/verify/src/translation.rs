@@ -178,39 +178,19 @@ impl<'a> ShapeKind<'a> {
 
 /// Describes the values of a shape.
 pub(crate) fn described(program: &Program, shape: &ValueShape) -> String {
-    let inner = |shape: &ValueShape| described(program, shape);
-    match shape {
-        ValueShape::Bool => "Boolean".to_owned(),
-        ValueShape::Int => "Integer".to_owned(),
-        ValueShape::Natural => "Natural".to_owned(),
-        ValueShape::Real => "Real".to_owned(),
-        ValueShape::Char => "Char".to_owned(),
-        ValueShape::Text => "String".to_owned(),
-        ValueShape::Complex => "Complex".to_owned(),
-        ValueShape::Rule => "Rule".to_owned(),
-        ValueShape::Any => "Any".to_owned(),
-        ValueShape::Domain(domain) => {
-            let name = program.symbols.domains.get(domain.0 as usize);
-            let name = name.map_or("", |name| &**name);
-            match ShapeKind::of(program, shape) {
-                ShapeKind::Elements(elements) if !elements.is_empty() => {
-                    let elements: Vec<&str> = elements.iter().map(|it| &**it).collect();
-                    format!("{name} = {{{}}}", elements.join(" | "))
-                }
-                ShapeKind::Any
-                | ShapeKind::Integer
-                | ShapeKind::Real
-                | ShapeKind::Elements(_)
-                | ShapeKind::Shape(_) => name.to_owned(),
+    shape.domain_text(&|domain| {
+        let name = program.symbols.domains.get(domain.0 as usize);
+        let name = name.map_or("", |name| &**name);
+        match ShapeKind::of(program, &ValueShape::Domain(domain)) {
+            ShapeKind::Elements(elements) if !elements.is_empty() => {
+                let elements: Vec<&str> = elements.iter().map(|it| &**it).collect();
+                format!("{name} = {{{}}}", elements.join(" | "))
             }
+            ShapeKind::Any
+            | ShapeKind::Integer
+            | ShapeKind::Real
+            | ShapeKind::Elements(_)
+            | ShapeKind::Shape(_) => name.to_owned(),
         }
-        ValueShape::Tuple(items) => {
-            let items: Vec<String> = items.iter().map(inner).collect();
-            format!("Prod({})", items.join(", "))
-        }
-        ValueShape::Seq(item) => format!("Seq({})", inner(item)),
-        ValueShape::Set(item) => format!("Powerset({})", inner(item)),
-        ValueShape::Bag(item) => format!("Bag({})", inner(item)),
-        ValueShape::Map(key, content) => format!("Map({}, {})", inner(key), inner(content)),
-    }
+    })
 }

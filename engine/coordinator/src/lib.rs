@@ -32,5 +32,6 @@ pub use binding::{
 pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
 pub use location::{LocationArgument, LocationName};
+pub use partners::{BAD_REPLY_REPORT, BadReply};
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

@@ -10,9 +10,46 @@ use asmotion_component::{
 };
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
-use asmotion_lang::ir::{MessageRole, Program, ValueShape, message_uses};
+use asmotion_lang::ir::{DomainId, MessageRole, Program, ValueShape, message_uses};
 use asmotion_lang::machine::{CallFault, Machine, MessageId, SentKind, SentMessage};
 use asmotion_lang::value::{Atom, Value};
+use serde::{Deserialize, Serialize};
+
+/// Kind of the report that the reply to a call is not of the domain that the specification expects, a [`BadReply`].
+pub const BAD_REPLY_REPORT: &str = "asm/BadReply";
+
+/// A reply that is not of the expected domain. For the specification the call has failed.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BadReply {
+    /// Name of the reference.
+    pub reference: String,
+    /// Name of the operation.
+    pub operation: String,
+    /// Number of the call at the component.
+    pub call: u64,
+    /// The expected domain.
+    pub expected: String,
+    /// The beginning of the reply, as JSON.
+    pub found: String,
+}
+
+impl BadReply {
+    /// Returns the failure of the call.
+    pub fn error(&self) -> CallError {
+        let detail = format!("expected {}, found {}", self.expected, self.found);
+        CallError::Fault(ServiceFault::new("BAD_REPLY", detail))
+    }
+}
+
+/// Limit on the characters of a reply in a report.
+const MAX_FOUND: usize = 100;
+
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(MAX_FOUND) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
 
 /// The services that a specification exchanges messages with.
 #[derive(Default)]
@@ -203,19 +240,48 @@ impl MessagePartners {
             let Some(at) = self.calls.iter().position(|(call, _)| *call == reply.call) else {
                 continue;
             };
-            let (_, call) = self.calls.swap_remove(at);
-            misfits += u64::from(!self.complete(&call, reply.result, machine));
+            let (number, call) = self.calls.swap_remove(at);
+            if let Some(found) = self.complete(&call, reply.result, machine) {
+                misfits += 1;
+                let bad = self.bad_reply(number, &call, &found, machine.program());
+                // a record of texts and numbers has a datum
+                if let Ok(bad) = Datum::of(&bad) {
+                    cycle.report(BAD_REPLY_REPORT, bad);
+                }
+            }
         }
         misfits
     }
 
-    /// Delivers the outcome of a call. Returns whether the response fits.
+    fn bad_reply(
+        &self,
+        number: CallId,
+        call: &PartnerCall,
+        found: &Datum,
+        program: &Program,
+    ) -> BadReply {
+        let called = &self.partner_operations[call.operation_index];
+        let name = |domain: DomainId| {
+            let name = program.symbols.domains.get(domain.0 as usize);
+            name.map_or_else(String::new, ToString::to_string)
+        };
+        let found = asmotion_datum::json::encode(found);
+        BadReply {
+            reference: called.reference.clone(),
+            operation: called.operation.clone(),
+            call: number.0,
+            expected: called.response.domain_text(&name),
+            found: shortened(&found.unwrap_or_else(|error| error.to_string())),
+        }
+    }
+
+    /// Delivers the outcome of a call. Returns a response that does not fit; for the specification the call has failed.
     fn complete(
         &self,
         call: &PartnerCall,
         result: Result<Datum, CallError>,
         machine: &mut Machine,
-    ) -> bool {
+    ) -> Option<Datum> {
         let operation = &self.partner_operations[call.operation_index];
         let outcome = match &result {
             Ok(answer) => {
@@ -227,7 +293,7 @@ impl MessagePartners {
             Err(CallError::Fault(_)) => Err(CallFault::Failed),
             Err(CallError::Cancelled) => Err(CallFault::Cancelled),
         };
-        let fits = result.is_err() || outcome.is_ok();
+        let misfit = result.ok().filter(|_| outcome.is_err());
         match outcome {
             _ if call.is_synchronous => machine.end_call(call.message, outcome),
             Ok(data) => {
@@ -240,7 +306,7 @@ impl MessagePartners {
             }
             Err(_) => machine.set_unsent(call.from.clone(), &operation.operation),
         }
-        fits
+        misfit
     }
 
     /// The operations of the calls under way, as `partner.operation`.

@@ -219,7 +219,8 @@ impl Network {
     }
 
     /// Wires a reference to a service of another system: operation `getMap` has the address `URL/getMap`. Calls time out
-    /// until its client is [connected](Self::connect_clients). `shown` is the URL without secrets.
+    /// until its client is [connected](Self::connect_clients). `shown` is the URL without secrets. `known` returns the
+    /// operations of an interface; a response that is not of their type ends the call with a fault.
     ///
     /// # Errors
     /// An error if there is no such reference, or if it has a service already.
@@ -227,13 +228,18 @@ impl Network {
         &mut self,
         system: &mut System,
         from: &str,
-        url: &str,
-        shown: &str,
+        (url, shown): (&str, &str),
         wire: Wire,
+        known: &dyn Fn(&str) -> Option<Vec<OperationDeclaration>>,
     ) -> Result<(), BuildError> {
         let base = url.trim_end_matches('/');
         let address = |operation: &str| format!("{base}/{operation}");
-        let route = remote_route(system, from, shown, wire, address)?;
+        let mut expected = reference_declaration(system, from)?;
+        let known = known(&expected.interface).unwrap_or_default();
+        complete_types(&mut expected, &known);
+        let mut route = remote_route(system, from, shown, wire, address)?;
+        let operations = expected.operations.into_iter();
+        route.responses = operations.map(|it| it.response).collect();
         self.external.push(ExternalReference {
             from: from.to_owned(),
             url: url.to_owned(),
@@ -364,6 +370,7 @@ fn remote_route(
         addresses: operations.map(|called| address(called)).collect(),
         timeout: wire.timeout,
         robot_service: None,
+        responses: Vec::new(),
     })
 }
 

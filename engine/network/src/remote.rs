@@ -10,7 +10,7 @@ use asmotion_bus::{
     ServiceClient, SpanGenerator,
 };
 use asmotion_component::{CallError, ServiceFault};
-use asmotion_datum::{Datum, Message, Sample};
+use asmotion_datum::{Datum, Message, Sample, Schema, Shape};
 use asmotion_port::Time;
 use asmotion_runtime::{
     CallKey, Effects, Event, ProviderMessage, ReplyTo, RequestQueue, ServiceRequest,
@@ -28,18 +28,19 @@ pub(crate) struct RemoteRoute {
     pub timeout: Duration,
     /// The service of another robot, which is compared with its announcement.
     pub robot_service: Option<Arc<RobotService>>,
+    /// Types of the responses of another system, by position of the operation in the reference; the last ones may be missing.
+    pub responses: Vec<Schema>,
 }
 
 impl RemoteRoute {
     /// Reads the reply to a call of an operation, whose provider may be a stranger.
     fn read(&self, operation: usize, reply: Payload) -> Result<Payload, CallFailure> {
-        match &self.robot_service {
-            None => Ok(reply),
-            Some(service) => {
-                let read = service.read(operation, &reply);
-                read.map_err(|fault| CallFailure::Refused(refusal(fault)))
-            }
-        }
+        let read = match (&self.robot_service, self.responses.get(operation)) {
+            (Some(service), _) => service.read(operation, &reply),
+            (None, Some(response)) => read_response(response, reply),
+            (None, None) => Ok(reply),
+        };
+        read.map_err(|fault| CallFailure::Refused(refusal(fault)))
     }
 
     /// Decides about a call of an operation.
@@ -300,6 +301,18 @@ impl RemoteService {
             }
         }
     }
+}
+
+/// Reads the reply of another system. Nothing is a reply where there is nothing to say.
+fn read_response(response: &Schema, reply: Payload) -> Result<Payload, ServiceFault> {
+    let is_empty = matches!(&response.shape, Shape::Record(fields) if fields.is_empty());
+    let datum = reply.to_datum().and_then(|datum| {
+        if !(is_empty && datum.is_null()) {
+            response.accepts(&datum)?;
+        }
+        Ok(reply)
+    });
+    datum.map_err(|error| ServiceFault::new("BAD_REPLY", error.to_string()))
 }
 
 fn refusal(fault: ServiceFault) -> Refusal {

@@ -1,7 +1,7 @@
 //! Prints the events and the summary of a run, as text or as JSON.
 
 use asmotion_component::{LOG_REPORT, Losses, NOTICE_REPORT, Time};
-use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord};
+use asmotion_coordinator::{BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord};
 use asmotion_runtime::Event;
 use serde_json::json;
 
@@ -19,6 +19,17 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
         } if *kind == STEP_REPORT => {
             let step: StepRecord = what.to().ok()?;
             Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
+        }
+        Event::Report {
+            component,
+            kind,
+            data,
+        } if *kind == BAD_REPLY_REPORT => {
+            let reply: BadReply = data.to().ok()?;
+            Some(json!({
+                "type": "bad_reply", "v": 1, "t": t, "component": component, "reference": reply.reference,
+                "operation": reply.operation, "call": reply.call, "error": reply.error(),
+            }))
         }
         Event::Report {
             component,

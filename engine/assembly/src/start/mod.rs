@@ -354,7 +354,9 @@ impl Building<'_> {
         let (system, network) = (&mut self.system, &mut self.network);
         match (wire.binding, &wire.url) {
             (Transport::Http, Some(url)) => {
-                network.wire_external(system, &caller, url.reveal(), url.shown(), how)?;
+                let known = |interface: &str| workshop.operations(interface);
+                let url = (url.reveal(), url.shown());
+                network.wire_external(system, &caller, url, how, &known)?;
             }
             (Transport::Amqp, Some(_)) => {
                 if let Some(service) = robot_address(wire) {
