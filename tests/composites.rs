@@ -163,6 +163,9 @@ fn found(code: &Code, info: &str) -> Option<Report> {
     if let Some(specification) = corrected.or_else(|| code.example("asm")) {
         files.add("example.asm", specification);
     }
+    if let Some(authority) = code.example("pem") {
+        files.add("plant-ca.pem", authority);
+    }
     if let Some(base) = code.example("toml base") {
         files.add("base.toml", base);
     }

@@ -440,23 +440,43 @@ print(server.server_port, flush=True)
 server.serve_forever()
 "#;
 
+/// A server in Python, which ends with this value.
+struct PythonServer {
+    process: std::process::Child,
+    port: u16,
+}
+
+impl PythonServer {
+    /// Starts a server that prints its port; `None`, with a notice, without Python.
+    fn start(text: &str, folder: &Path) -> Option<Self> {
+        let mut command = Command::new("python3");
+        command.args(["-c", text]).current_dir(folder);
+        command.stdout(Stdio::piped()).stderr(Stdio::null());
+        let Ok(mut process) = command.spawn() else {
+            asmotion_skip::PYTHON.skip();
+            return None;
+        };
+        let mut port = String::new();
+        std::io::BufReader::new(process.stdout.as_mut().unwrap())
+            .read_line(&mut port)
+            .unwrap();
+        let port = port.trim().parse().unwrap();
+        Some(Self { process, port })
+    }
+}
+
+impl Drop for PythonServer {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
 /// The courier's run against a server with this text; `None`, with a notice, without Python.
 fn courier_of(street: &Path, server: &str) -> Option<std::process::Output> {
-    let mut command = Command::new("python3");
-    command.args(["-c", server]).stdout(Stdio::piped());
-    let Ok(mut server) = command.stderr(Stdio::null()).spawn() else {
-        asmotion_skip::PYTHON.skip();
-        return None;
-    };
-    let mut port = String::new();
-    std::io::BufReader::new(server.stdout.as_mut().unwrap())
-        .read_line(&mut port)
-        .unwrap();
-    let url = format!("http://127.0.0.1:{}/jobs", port.trim());
-    let output = courier(street, &url, "none", &["--clock", "wall"]);
-    server.kill().unwrap();
-    server.wait().unwrap();
-    Some(output)
+    let server = PythonServer::start(server, street.parent().unwrap())?;
+    let url = format!("http://127.0.0.1:{}/jobs", server.port);
+    Some(courier(street, &url, "none", &["--clock", "wall"]))
 }
 
 #[test]
@@ -503,8 +523,219 @@ fn c5_a_server_that_answers_wrongly_fails_the_call_and_nothing_else() {
             // the reply does not fit the operation
             let last = lines.iter().rfind(|line| line["type"] == "losses").unwrap();
             assert!(last["misfits"].as_u64() > Some(1), "{wrong}: {last}");
+            let mut bad = lines.iter().filter(|line| line["type"] == "bad_reply");
+            let bad = bad.next().unwrap_or_else(|| panic!("{wrong}: {text}"));
+            let found = if wrong == r#"b"""# {
+                "null"
+            } else {
+                "\"seven\""
+            };
+            let expected = serde_json::json!({ "fault": {
+                "code": "BAD_REPLY", "detail": format!("expected Integer, found {found}"),
+            }});
+            assert_eq!(bad["error"], expected, "{bad}");
+            let place = [&bad["component"], &bad["reference"], &bad["operation"]];
+            assert_eq!(place, ["Courier", "dispatcher", "job"]);
+            let replied = lines.iter().find(|line| line["type"] == "reply").unwrap();
+            assert_eq!(bad["call"], replied["call"], "{replied}");
+            let summary = lines
+                .iter()
+                .rfind(|line| line["type"] == "summary")
+                .unwrap();
+            assert!(summary["failed_calls"].as_u64() > Some(1), "{summary}");
         }
     }
+}
+
+/// Asks for a map, and notes how the call ends.
+const SURVEYOR: &str = "asm surveyor
+import StandardLibrary
+signature:
+    enum domain Action = {NOACT | ASK}
+    enum domain Ev = {NOEV | GOT | FAILED}
+    enum domain Mode = {BEGINS | ASKS | DONE | BROKEN}
+    monitored ev: Ev
+    controlled mode: Mode
+    controlled hasEnded: Boolean
+    out command: Action
+definitions:
+    main rule r_Main =
+        par
+            if mode = BEGINS then par command := ASK mode := ASKS endpar endif
+            if ev != NOEV then hasEnded := true endif
+            if ev = GOT then mode := DONE endif
+            if ev = FAILED then mode := BROKEN endif
+        endpar
+default init s0:
+    function mode = BEGINS
+    function hasEnded = false
+    function command = NOACT
+";
+
+const SURVEYED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "survey"
+[components.Surveyor]
+implementation = { asm = "surveyor.asm" }
+task = { period_ms = 20 }
+references = { maps = "nav/MapService" }
+bind.out.command.ASK = { call = "maps.getMap", with = { name = "office" }, ok = "GOT", failed = "FAILED", event = "ev" }
+bind.monitored.ev = { value = "NOEV" }
+[[wires]]
+reference = "Surveyor.maps"
+binding = "http"
+url = "${MAPS_URL}"
+timeout_ms = 2000
+"#;
+
+/// The type of an operation is that of its interface, whoever provides it.
+#[test]
+fn c5_a_reply_of_another_type_than_that_of_its_operation_is_a_failed_call() {
+    let (folder, path) = composite(SURVEYED);
+    std::fs::write(folder.path().join("surveyor.asm"), SURVEYOR).unwrap();
+    let trace = folder.path().join("survey.trace");
+    let is_job = "self.path.split(\"?\")[0] == \"/jobs/job\"";
+    let server = PYTHON.replace(is_job, "True");
+    for (reply, state, detail) in [
+        ("b'{\"info\": {\"width\": 2}}'", "DONE", ""),
+        ("b'\"seven\"'", "BROKEN", "found a string"),
+        ("b'[1, 2]'", "BROKEN", "expected"),
+        ("b'{\"info\": {\"width\": \"two\"}}'", "BROKEN", "width"),
+        ("b'{\"inf\": 1}'", "BROKEN", "inf"),
+    ] {
+        let server = server.replace("json.dumps(argument + 3).encode()", reply);
+        let Some(server) = PythonServer::start(&server, folder.path()) else {
+            return;
+        };
+        let url = format!("http://127.0.0.1:{}/maps", server.port);
+        let mut command = run(&path, &["--until", "hasEnded=true", "--for", "20"]);
+        command
+            .args(["--json", "--clock", "wall", "--trace"])
+            .arg(&trace);
+        let output = command.env("MAPS_URL", &url).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(
+            text.contains(&format!("\"control_state\":\"{state}\"")),
+            "{reply}: {output:?}"
+        );
+        let error = last_error(&output);
+        let written = std::fs::read_to_string(&trace).unwrap();
+        let replied = written
+            .lines()
+            .find(|it| it.contains("reply Surveyor.maps.getMap"));
+        let replied = replied.unwrap_or_else(|| panic!("{reply}: {written}"));
+        if state == "DONE" {
+            assert_eq!(error, Value::Null);
+            continue;
+        }
+        assert_eq!(error["fault"]["code"], "BAD_REPLY", "{reply}: {error}");
+        assert!(error.to_string().contains(detail), "{reply}: {error}");
+        assert!(replied.contains("BAD_REPLY"), "{reply}: {replied}");
+    }
+}
+
+/// The error of the last reply that a run has reported.
+fn last_error(output: &std::process::Output) -> Value {
+    let text = String::from_utf8_lossy(&output.stdout);
+    let lines = text
+        .lines()
+        .map(|it| serde_json::from_str::<Value>(it).unwrap());
+    let reply = lines.filter(|it| it["type"] == "reply").next_back();
+    reply.unwrap_or_else(|| panic!("{output:?}"))["error"].clone()
+}
+
+#[test]
+fn c5_a_wire_trusts_the_authority_that_it_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, street) = offices(folder.path());
+    for name in ["plant", "other"] {
+        let certificates = folder.path().join(name);
+        std::fs::create_dir(&certificates).unwrap();
+        asmotion_broker::write_certificates(&certificates).unwrap();
+    }
+    let encrypted = "context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+context.load_cert_chain('server.pem', 'server.key')
+server.socket = context.wrap_socket(server.socket, server_side=True)
+print(server";
+    let server = PYTHON.replace("http.server, json", "http.server, json, ssl");
+    let server = server.replace("print(server", encrypted);
+    // an encrypted response that ends with its connection may have been cut
+    let length = "self.send_header('Content-Length', str(len(reply)))\n        self.end_headers";
+    let server = server.replace("self.end_headers", length);
+    let Some(server) = PythonServer::start(&server, &folder.path().join("plant")) else {
+        return;
+    };
+    let url = format!("https://localhost:{}/jobs", server.port);
+    let composite = std::fs::read_to_string(&street).unwrap();
+    let run_with = |ca: &str, variable: Option<&str>| {
+        let key = match ca {
+            "" => String::new(),
+            ca => format!("ca = \"{ca}\"\ntimeout_ms"),
+        };
+        let text = match ca {
+            "" => composite.clone(),
+            _ => composite.replace("timeout_ms", &key),
+        };
+        std::fs::write(&street, text).unwrap();
+        let limits = [
+            "--until", "jobs=2", "--for", "4", "--json", "--clock", "wall",
+        ];
+        let mut command = run(&street, &limits);
+        command.env("JOBS", &url).env("TOKEN", "none");
+        if let Some(variable) = variable {
+            command.env("SSL_CERT_FILE", folder.path().join(variable));
+        }
+        command.output().unwrap()
+    };
+    for (ca, variable) in [
+        ("plant/authority.pem", None),
+        ("", Some("plant/authority.pem")),
+        ("plant/authority.pem", Some("other/authority.pem")),
+    ] {
+        let output = run_with(ca, variable);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{ca} {variable:?}: {output:?}"
+        );
+    }
+    for (ca, variable) in [
+        ("other/authority.pem", None),
+        ("", None),
+        ("other/authority.pem", Some("plant/authority.pem")),
+    ] {
+        let output = run_with(ca, variable);
+        assert_eq!(
+            output.status.code(),
+            Some(1),
+            "{ca} {variable:?}: {output:?}"
+        );
+        let fault = &last_error(&output)["fault"];
+        assert_eq!(fault["code"], "NO_TLS", "{ca} {variable:?}: {fault}");
+        let detail = fault["detail"].as_str().unwrap();
+        assert!(detail.contains("invalid peer certificate"), "{detail}");
+    }
+    // what looks like a certificate and is none
+    let pem = "-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n";
+    std::fs::write(folder.path().join("none.pem"), pem).unwrap();
+    let output = run_with("none.pem", None);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("wire of `Courier.dispatcher`") && said.contains("none.pem`: no certificate"),
+        "{said}"
+    );
+    // an expanded composite finds the file from its own place
+    run_with("plant/authority.pem", None);
+    let mut expand = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    expand.arg("expand").arg(&street).env("JOBS", &url);
+    let output = expand.env("TOKEN", "none").output().unwrap();
+    let expanded = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        expanded.contains("ca = \"plant/authority.pem\""),
+        "{expanded}"
+    );
 }
 
 /// The courier with a dispatcher in its own process, which is stopped, and one behind a gateway.

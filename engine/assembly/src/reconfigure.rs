@@ -480,6 +480,8 @@ struct WiredService<'p> {
     /// A service of the plan, or a URL.
     service: String,
     token: Option<&'p Endpoint>,
+    /// File with the certificate authorities.
+    authorities: Option<&'p str>,
     /// Broker of a call that leaves the part.
     broker: Option<&'p str>,
     how: asmotion_component::Wire,
@@ -498,6 +500,7 @@ fn joints<'p>(plan: &'p Plan, part: &Part) -> Vec<WiredService<'p>> {
                 reference: &wire.reference,
                 service: service.to_string(),
                 token: None,
+                authorities: None,
                 broker: broker.filter(|_| !stays_here),
                 how: start::how(wires, wire),
                 stays_here,
@@ -507,6 +510,7 @@ fn joints<'p>(plan: &'p Plan, part: &Part) -> Vec<WiredService<'p>> {
             reference: &wire.reference,
             service: url.shown().to_owned(),
             token: wire.token.as_ref(),
+            authorities: wire.ca.as_deref(),
             broker,
             how: start::how(wires, wire),
             stays_here: false,

@@ -128,6 +128,7 @@ pub(crate) mod c182;
 pub(crate) mod c183;
 pub(crate) mod c184;
 pub(crate) mod c185;
+pub(crate) mod c190;
 
 use asmotion_diagnostics::Code;
 
@@ -259,4 +260,5 @@ pub const CODES: &[&Code] = &[
     c183::OperationMappedTwice::CODE,
     c184::WrongConverter::CODE,
     c185::NoSingleRosService::CODE,
+    c190::NoCertificate::CODE,
 ];

@@ -6,6 +6,7 @@ mod removal;
 use crate::codes::c002::UnreadableComposite;
 use crate::codes::c080::CircularInclusion;
 use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
+use crate::codes::c190::NoCertificate;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -271,6 +272,12 @@ impl Visit<'_, '_> {
                 paths.insert(file.value.clone(), found);
             }
         }
+        for file in composite.wires.iter().filter_map(|wire| wire.ca.as_ref()) {
+            if let Some(found) = self.resolve(file) {
+                self.authorities(&found, file.span);
+                paths.insert(file.value.clone(), found);
+            }
+        }
         let elsewhere = self.elsewhere(&composite);
         // a file that is nested here and elsewhere is read as one that is nested here
         let mut components: Vec<&Component> = composite.components.iter().collect();
@@ -431,6 +438,22 @@ impl Visit<'_, '_> {
         }
     }
 
+    /// Checks that a file contains certificates. The run reads them.
+    fn authorities(&mut self, path: &str, at: Span) {
+        match self.context.loader.read(path) {
+            Ok(text) if has_certificate(&text) => {}
+            Ok(_) => self.report.found(NoCertificate {
+                path: path.to_owned(),
+                at,
+            }),
+            Err(error) => self.report.found(UnreadableComposite {
+                path: error.path,
+                reason: error.reason,
+                at: Some(at),
+            }),
+        }
+    }
+
     fn specification(&mut self, path: &str) {
         if self.specifications.contains_key(path) || self.broken.iter().any(|it| it == path) {
             return;
@@ -476,4 +499,10 @@ impl Visit<'_, '_> {
             }
         }
     }
+}
+
+/// Returns whether a text has a certificate in PEM (RFC 7468).
+fn has_certificate(text: &str) -> bool {
+    let begun = text.split_once("-----BEGIN CERTIFICATE-----");
+    begun.is_some_and(|(_, rest)| rest.contains("-----END CERTIFICATE-----"))
 }

@@ -66,14 +66,30 @@ impl HttpClient {
         })
     }
 
-    /// Returns the client of a service, which presents this token. The address of an operation is its URL.
-    pub fn service(&self, token: Option<BearerToken>) -> Arc<dyn ServiceClient> {
-        Arc::new(HttpService {
+    /// Returns the client of a service, which presents this token. The address of an operation is its URL. `authorities` is a
+    /// PEM file with the certificate authorities of this service, in place of those of the client.
+    ///
+    /// # Errors
+    /// The file cannot be read or contains no certificate.
+    pub fn service(
+        &self,
+        token: Option<BearerToken>,
+        authorities: Option<&Path>,
+    ) -> Result<Arc<dyn ServiceClient>, HttpClientError> {
+        let pool = match authorities {
+            None => Arc::clone(&self.pool),
+            // of its own, because a connection is trusted by those who have made it
+            Some(_) => {
+                let pool = ConnectionPool::new(authorities);
+                Arc::new(pool.map_err(HttpClientError::Authorities)?)
+            }
+        };
+        Ok(Arc::new(HttpService {
             handle: self.runtime.as_ref().map(|it| it.handle().clone()),
-            pool: Arc::clone(&self.pool),
+            pool,
             token,
             calls: Arc::new(Semaphore::new(MAX_CALLS)),
-        })
+        }))
     }
 }
 

@@ -135,7 +135,13 @@ fn result(payload: Payload) -> String {
 
 fn call(url: &str, timeout: Duration) -> Result<String, CallFailure> {
     let client = HttpClient::start(None).unwrap();
-    let pending = start(&*client.service(None), url, word("office"), timeout, false);
+    let pending = start(
+        &*client.service(None, None).unwrap(),
+        url,
+        word("office"),
+        timeout,
+        false,
+    );
     pending.wait().map(result)
 }
 
@@ -167,7 +173,9 @@ fn every_end_of_a_call_of_a_gateway_is_that_of_the_operation() {
     });
     let url = any_of(&gateway);
     let client = HttpClient::start(None).unwrap();
-    let service = client.service(Some(BearerToken::new("s3cret")));
+    let service = client
+        .service(Some(BearerToken::new("s3cret")), None)
+        .unwrap();
     let call = |argument: &str, timeout| {
         let pending = start(&*service, &url, word(argument), timeout, false);
         pending.wait().map(result)
@@ -178,7 +186,9 @@ fn every_end_of_a_call_of_a_gateway_is_that_of_the_operation() {
     let began = Instant::now();
     assert_eq!(call("wait", SECOND / 5), Err(CallFailure::Timeout));
     assert!(began.elapsed() < 10 * SECOND);
-    let stranger = client.service(Some(BearerToken::new("guess")));
+    let stranger = client
+        .service(Some(BearerToken::new("guess")), None)
+        .unwrap();
     let pending = start(&*stranger, &url, word("office"), SECOND, false);
     is_refused(pending.wait().map(result), "NO_TOKEN", "token");
     let told = start(&*service, &url, word("office"), 20 * SECOND, true);
@@ -190,7 +200,7 @@ fn a_cancelled_call_is_cancelled_at_the_provider() {
     let (taken, takes) = mpsc::channel();
     let gateway = gateway(None, move |call| taken.send(call).unwrap());
     let client = HttpClient::start(None).unwrap();
-    let service = client.service(None);
+    let service = client.service(None, None).unwrap();
     let pending = start(&*service, &any_of(&gateway), word("x"), 60 * SECOND, false);
     let call = takes.recv_timeout(20 * SECOND).unwrap();
     assert!(call.is_awaited());
@@ -212,7 +222,9 @@ fn a_request_has_the_argument_the_deadline_the_trace_and_the_token() {
             .unwrap();
     });
     let client = HttpClient::start(None).unwrap();
-    let service = client.service(Some(BearerToken::new("s3cret")));
+    let service = client
+        .service(Some(BearerToken::new("s3cret")), None)
+        .unwrap();
     let pending = start(&*service, &peer.url(), word("office"), 5 * SECOND, false);
     assert_eq!(pending.wait().map(result), Ok("{\"x\":1.5}".to_owned()));
     let (head, body) = hears.recv().unwrap();
@@ -253,7 +265,7 @@ fn a_connection_is_used_again_and_a_closed_one_is_replaced() {
         kept.push(());
     });
     let client = HttpClient::start(None).unwrap();
-    let service = client.service(None);
+    let service = client.service(None, None).unwrap();
     let call = || start(&*service, &peer.url(), word("x"), 20 * SECOND, false).wait();
     for calls in [1, 2] {
         assert_eq!(call().map(result), Ok("1".to_owned()));
@@ -382,7 +394,7 @@ fn calls_beyond_the_limit_and_calls_of_a_dropped_client_are_unavailable() {
     let mut kept = Vec::new();
     let peer = Peer::new(move |stream| kept.push(stream.try_clone().unwrap()));
     let client = HttpClient::start(None).unwrap();
-    let service = client.service(None);
+    let service = client.service(None, None).unwrap();
     let call = || start(&*service, &peer.url(), word("x"), 60 * SECOND, false);
     let mut pending: Vec<_> = (0..64).map(|_| call()).collect();
     assert_eq!(call().wait().map(result), Err(CallFailure::Unavailable));

@@ -249,7 +249,7 @@ impl Network {
     }
 
     /// Connects each reference that is [wired to another system](Self::wire_external) to the client that `client` returns
-    /// for the reference and the URL. If the system is attached to a bus too, call [`attach`](Self::attach) first.
+    /// for the reference and the URL; without a client its calls time out. If the system is attached to a bus too, call [`attach`](Self::attach) first.
     /// `incarnation` must be unique among all processes and restarts.
     ///
     /// # Errors
@@ -257,7 +257,7 @@ impl Network {
     pub fn connect_clients(
         &mut self,
         system: &mut System,
-        mut client: impl FnMut(&str, &str) -> Arc<dyn ServiceClient>,
+        mut client: impl FnMut(&str, &str) -> Option<Arc<dyn ServiceClient>>,
         incarnation: u64,
     ) -> Result<(), BusError> {
         if self.external.is_empty() {
@@ -267,13 +267,13 @@ impl Network {
             self.add_bus_adapter(system, Vec::new(), incarnation)?;
         }
         let external = std::mem::take(&mut self.external);
-        let services = external.into_iter().map(|it| {
+        let services = external.into_iter().filter_map(|it| {
             let identity = CallerIdentity {
-                client: client(&it.from, &it.url),
+                client: client(&it.from, &it.url)?,
                 incarnation,
                 notifier: Arc::clone(system.notifier()),
             };
-            RemoteService::new(it.route, identity)
+            Some(RemoteService::new(it.route, identity))
         });
         let adapter = CallingAdapter(services.collect());
         system.add_adapter(Box::new(adapter));

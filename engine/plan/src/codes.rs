@@ -11,6 +11,7 @@ pub(crate) mod c152;
 pub(crate) mod c155;
 pub(crate) mod c156;
 pub(crate) mod c157;
+pub(crate) mod c191;
 
 use asmotion_diagnostics::Code;
 
@@ -27,4 +28,5 @@ pub const CODES: &[&Code] = &[
     c155::OperationMismatch::CODE,
     c156::QueueNeeded::CODE,
     c157::ChangeLost::CODE,
+    c191::AuthorityWithoutTls::CODE,
 ];

@@ -54,7 +54,7 @@ pub fn expand(opened: &Opened, plan: &Plan) -> String {
         }
     }
     let lists = [
-        ("wires", tables(plan.wires.iter().map(wire))),
+        ("wires", tables(plan.wires.iter().map(|it| wire(it, root)))),
         (
             "connections",
             tables(joint(&plan.connections).map(connection)),
@@ -99,7 +99,9 @@ fn topics(topics: &[Topic]) -> Table {
 }
 
 /// Serialises a wire. A local binding is omitted: the transport then follows from the processes of both ends.
-fn wire(wire: &Wire) -> Lines {
+fn wire(wire: &Wire, root: &str) -> Lines {
+    let mut wire = wire.clone();
+    wire.ca = wire.ca.map(|file| beside(root, &file));
     match wire.binding {
         Transport::Local => wire.keys("").without("binding"),
         Transport::Amqp | Transport::Ros | Transport::Http => wire.keys(""),

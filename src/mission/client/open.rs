@@ -1,6 +1,7 @@
 //! Connects the wires to other systems to an HTTP client.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use asmotion_gateway::{BearerToken, HttpClient};
 use asmotion_network::Network;
@@ -30,16 +31,21 @@ impl Mission {
         let authorities = std::env::var_os(AUTHORITIES).map(PathBuf::from);
         let client = HttpClient::start(authorities.as_deref());
         let client = client.map_err(|error| launch(format!("{error} (`{AUTHORITIES}`)")))?;
-        let token = |reference: &str, url: &str| {
-            let mut wires = plan.wires_over_http(part);
-            let (wire, _) = wires
-                .find(|(wire, to)| to.reveal() == url && wire.reference.to_string() == reference)?;
-            let token = wire.token.as_ref()?;
-            Some(BearerToken::new(token.reveal()))
-        };
+        let mut services = BTreeMap::new();
+        for (wire, url) in plan.wires_over_http(part) {
+            let token = wire.token.as_ref().map(|it| BearerToken::new(it.reveal()));
+            let service = client.service(token, wire.ca.as_deref().map(Path::new));
+            let service = service
+                .map_err(|error| launch(format!("wire of `{}`: {error}", wire.reference)))?;
+            let key = (wire.reference.to_string(), url.reveal().to_owned());
+            services.entry(key).or_insert(service);
+        }
         let connected = network.connect_clients(
             system,
-            |reference, url| client.service(token(reference, url)),
+            |reference, url| {
+                let key = (reference.to_owned(), url.to_owned());
+                services.get(&key).cloned()
+            },
             incarnation(),
         );
         connected.map_err(|error| launch(error.to_string()))?;

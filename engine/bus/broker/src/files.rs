@@ -4,11 +4,9 @@ use std::io;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-use rcgen::{
-    BasicConstraints, CertificateParams, DistinguishedName, DnType, IsCa, Issuer, KeyPair,
-};
 use tempfile::TempDir;
 
+use crate::certificates::write_certificates;
 use crate::ports::BrokerPorts;
 
 /// Name of every node. Each node has its own epmd, so the names do not clash.
@@ -43,7 +41,7 @@ impl BrokerFiles {
         std::fs::write(files.path("env.conf"), "")?;
         std::fs::write(files.path("enabled_plugins"), "[].\n")?;
         std::fs::write(files.path("advanced.config"), "[].\n")?;
-        files.write_certificates().map_err(io::Error::other)?;
+        write_certificates(files.folder())?;
         std::fs::write(files.path("rabbitmq.conf"), files.configuration(ports))?;
         Ok(files)
     }
@@ -73,28 +71,6 @@ impl BrokerFiles {
         )
     }
 
-    /// Writes the certificates of a test authority and of two identities it has signed.
-    fn write_certificates(&self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
-        let key = KeyPair::generate()?;
-        let mut parameters = CertificateParams::new(Vec::new())?;
-        parameters.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
-        parameters.distinguished_name = named("authority");
-        std::fs::write(
-            self.path("authority.pem"),
-            parameters.self_signed(&key)?.pem(),
-        )?;
-        let authority = Issuer::new(parameters, key);
-        for (name, host) in [("server", "localhost"), ("client", "tester")] {
-            let key = KeyPair::generate()?;
-            let mut parameters = CertificateParams::new([host.to_owned()])?;
-            parameters.distinguished_name = named(name);
-            let certificate = parameters.signed_by(&key, &authority)?;
-            std::fs::write(self.path(&format!("{name}.pem")), certificate.pem())?;
-            std::fs::write(self.path(&format!("{name}.key")), key.serialize_pem())?;
-        }
-        Ok(())
-    }
-
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -109,11 +85,4 @@ impl BrokerFiles {
         let lines: Vec<_> = log.lines().collect();
         lines[lines.len().saturating_sub(20)..].join("\n")
     }
-}
-
-/// Creates a distinguished name. It must differ from the issuer's, or the certificate counts as self-signed.
-fn named(name: &str) -> DistinguishedName {
-    let mut names = DistinguishedName::new();
-    names.push(DnType::CommonName, name);
-    names
 }

@@ -6,6 +6,7 @@
 //! started by its inner script with its own epmd; services of the machine are not affected.
 
 mod broker;
+mod certificates;
 mod control;
 mod files;
 mod line;
@@ -15,6 +16,7 @@ mod shared;
 mod vhost;
 
 pub use broker::{BrokerError, TestBroker};
+pub use certificates::write_certificates;
 pub use line::Line;
 pub use shared::{ExclusiveBroker, SharedBroker, alone, calm};
 pub use vhost::Vhost;

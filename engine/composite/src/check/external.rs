@@ -22,6 +22,9 @@ pub(super) fn check(wire: &Wire, report: &mut Report) {
         if let Some(token) = &wire.token {
             only_over_http(wire, "token", token.span, report);
         }
+        if let Some(ca) = &wire.ca {
+            only_over_http(wire, "ca", ca.span, report);
+        }
         if let Some(url) = &wire.url {
             over_a_broker(wire, url, report);
         }

@@ -88,6 +88,10 @@ pub struct Wire {
     /// Secret that the calls over HTTP present as `Authorization: Bearer TOKEN`.
     #[key(example = "\"${MAPS_TOKEN_FILE}\"")]
     pub token: Option<At<Template>>,
+    /// PEM file with the certificates of the authorities that an `https` server is trusted for, in place of the web's; relative
+    /// to the folder of this file.
+    #[key(example = "\"pki/plant-ca.pem\"")]
+    pub ca: Option<At<String>>,
     /// Profiles that include it; all if empty.
     #[key(name = "profile", example = "\"sim\"", written)]
     pub profiles: Vec<At<String>>,

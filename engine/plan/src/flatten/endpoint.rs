@@ -13,6 +13,7 @@ use crate::codes::c067::OpenGateway;
 use crate::codes::c068::InvalidServiceUrl;
 use crate::codes::c069::OwnRobot;
 use crate::codes::c152::TokenInClear;
+use crate::codes::c191::AuthorityWithoutTls;
 use crate::plan::{Endpoint, Wire};
 use crate::route::robot_address;
 use asmotion_composite::At;
@@ -128,6 +129,22 @@ pub(super) fn token_in_clear(
             reference: wire.reference.to_string(),
             host: host.to_owned(),
             at: token.span,
+            url,
+        });
+    }
+}
+
+/// Reports certificate authorities of a wire whose calls are not encrypted. The locations are those of the keys `ca` and `url`.
+pub(super) fn authority_without_tls(
+    wire: &Wire,
+    (at, url): (Span, Span),
+    notes: &mut SubstitutionNotes,
+) {
+    let address = wire.url.as_ref().map_or("", Endpoint::reveal);
+    if wire.binding == Transport::Http && address.starts_with("http://") {
+        notes.found(AuthorityWithoutTls {
+            reference: wire.reference.to_string(),
+            at,
             url,
         });
     }

@@ -138,8 +138,14 @@ impl Flattener<'_, '_> {
             if let Some(token) = &wire.token {
                 endpoint::token_in_clear(&made, token, written.span, self.notes);
             }
+            if let Some(ca) = &wire.ca {
+                endpoint::authority_without_tls(&made, (ca.span, written.span), self.notes);
+            }
             endpoint::own_robot(&made, &self.plan.name, written.span, self.notes);
         }
+        let instance = self.instances.get(index);
+        let resolved = |file: &String| instance?.member.path(file).map(str::to_owned);
+        made.ca = made.ca.as_ref().and_then(resolved);
         self.plan.wires.push(made);
     }
 

@@ -241,6 +241,10 @@ impl Exporter<'_> {
             ("the cancelling", wire.cancel.as_ref().map(|it| it.span)),
             ("the one-way calls", oneway.map(|it| it.span)),
             ("the token", wire.token.as_ref().map(|it| it.span)),
+            (
+                "the certificate authorities",
+                wire.ca.as_ref().map(|it| it.span),
+            ),
         ];
         for (what, at) in rows {
             if let Some(at) = at {
