@@ -109,6 +109,67 @@ fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
     }
 }
 
+#[test]
+fn o14_an_operation_of_a_nested_component_is_called_by_its_path() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let url = url(&broker, &vhost);
+    let _arm = arm(&broker, &vhost);
+    crate::processes::queues(&vhost, "robots.services.youbot.control.robot");
+    let call = |operation: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command.args(["call", operation, "--bus", &url]);
+        let output = command.env("ASMOTION_PASSWORD", broker.password()).output();
+        let output = output.unwrap();
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        (output.status.code(), said)
+    };
+    let address = "youbot.Driver/SCAyouBotDriver.retrievingStatus.getJointsPositions";
+    for operation in [
+        address,
+        "Driver/SCAyouBotDriver.retrievingStatus.getJointsPositions",
+        "Driver/SCAyouBotDriver.getJointsPositions",
+        "youbot.Driver/SCAyouBotDriver.getJointsPositions",
+        "Driver.SCAyouBotDriver.getJointsPositions",
+        "youbot.Driver.SCAyouBotDriver.retrievingStatus.getJointsPositions",
+    ] {
+        let (code, said) = call(operation);
+        assert_eq!(code, Some(0), "{operation}: {said}");
+        assert!(said.contains("\"position\""), "{operation}: {said}");
+    }
+    // a level too few, at the beginning, at the end or in the middle, and a misspelt one
+    for operation in [
+        "SCAyouBotDriver.getJointsPositions",
+        "Driver.getJointsPositions",
+        "Driver.retrievingStatus.getJointsPositions",
+        "Driver/retrievingStatus.getJointsPositions",
+        "Driver/SCAyouBotDriver.retrievingStatus.getJointPositions",
+        "Driver/SCAyouBotDrivr.retrievingStatus.getJointsPositions",
+    ] {
+        let suggestion = format!("unknown operation `{operation}`; did you mean `{address}`?");
+        // on a busy machine the process may not be known in time
+        let mut attempts = (0..10).map(|_| call(operation));
+        let found = attempts.find(|(code, said)| *code != Some(1) || said.contains(&suggestion));
+        assert_eq!(found.map(|it| it.0), Some(Some(1)), "{operation}");
+    }
+    // an interface that does not exist is no path
+    let (code, said) = call("nav/PlanServic.plan");
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("unknown interface `nav/PlanServic`"),
+        "{said}"
+    );
+    // without a broker
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let command = command.args(["call", address]).env_remove("ASMOTION_BUS");
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("--bus"), "{said}");
+}
+
 /// In a real terminal: Tab completes names, and the arrow key recalls a line.
 #[test]
 fn o14_the_shell_completes_and_remembers() {

@@ -14,7 +14,7 @@ use std::time::Duration;
 pub struct Call {
     /// Operation as `ROBOT.COMPONENT.SERVICE.OPERATION`, for example `navigation.TrajectoryPlanner.planning.plan`, or as
     /// `INTERFACE.OPERATION` of the only service with the interface, for example `nav/PlanService.plan`; robot and service can be
-    /// omitted if this leaves one operation, as in `TrajectoryPlanner.plan`
+    /// omitted if this leaves one operation, as in `TrajectoryPlanner.plan` or, of a nested component, `Arm/Driver.getJoints`
     operation: String,
 
     /// Argument as JSON; omitted fields have their default values
@@ -70,6 +70,12 @@ impl Call {
                 && full != address
             {
                 answer = call(&full)?;
+            }
+            // what is present may have become known since
+            if let Err(RemoteError::Nobody { nearest, .. }) = &mut answer {
+                *nearest = nearest
+                    .take()
+                    .or_else(|| remote.similar_operation(&address));
             }
         }
         Ok(answer.and_then(|answer| Ok(asmotion_datum::json::encode_pretty(&answer)?)))

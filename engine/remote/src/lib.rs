@@ -28,6 +28,7 @@ mod contact;
 mod error;
 mod handle;
 mod last_samples;
+mod levels;
 mod offers;
 mod order;
 mod order_error;

@@ -3,6 +3,7 @@
 use asmotion_diagnostics::similar;
 
 use crate::error::RemoteError;
+use crate::levels::after_component;
 use crate::presence::key;
 use crate::remote::Remote;
 use crate::roster::ComponentLocation;
@@ -70,17 +71,39 @@ impl Remote {
     /// # Errors
     /// An error if the operation is given by an interface that no service or several services have.
     pub fn operation_address(&self, operation: &str) -> Result<String, RemoteError> {
-        match operation.rsplit_once('.') {
-            // the name of a nested component contains a slash, too, and is followed by its service
-            Some((interface, name)) if interface.contains('/') && !interface.contains('.') => {
-                Ok(format!("{}.{name}", self.service(interface)?.address()))
+        let Some((interface, name)) = operation.rsplit_once('.') else {
+            return Ok(operation.to_owned());
+        };
+        // the name of a nested component contains a slash, too
+        if !interface.contains('/') || interface.contains('.') {
+            return Ok(operation.to_owned());
+        }
+        match self.service(interface) {
+            Ok(service) => Ok(format!("{}.{name}", service.address())),
+            Err(RemoteError::Unknown { .. }) if self.is_nested(interface) => {
+                Ok(operation.to_owned())
             }
-            Some(_) | None => Ok(operation.to_owned()),
+            Err(error) => Err(error),
         }
     }
 
+    /// Returns whether a name begins with that of a composite with components.
+    fn is_nested(&self, name: &str) -> bool {
+        let components = self.complete_roster().components(self.robot());
+        let composite = |name: &str| {
+            name.split_once('/')
+                .map(|(composite, _)| composite.to_owned())
+        };
+        let own = composite(name);
+        own.is_some()
+            && components
+                .iter()
+                .any(|it| composite(&it.present.name) == own)
+    }
+
     /// The address of an operation given without its robot, `MapServer.maps.getMap`, or without its service, `MapServer.getMap`;
-    /// `None` if no component has this operation.
+    /// `None` if no component has this operation. The levels of a nested component may be separated by dots, as in
+    /// `Arm.Driver.getJoints` for `Arm/Driver.state.getJoints`.
     ///
     /// # Errors
     /// An error with the addresses of the candidates if there are several.
@@ -112,7 +135,7 @@ fn operations_named(at: &ComponentLocation, name: &str) -> Vec<String> {
     let names = [at.present.name.clone(), at.full_name()];
     let rest = names
         .iter()
-        .find_map(|it| name.strip_prefix(it)?.strip_prefix('.'));
+        .find_map(|it| after_component(name, it)?.strip_prefix('.'));
     let Some(rest) = rest else {
         return Vec::new();
     };

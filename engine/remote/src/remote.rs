@@ -14,6 +14,7 @@ use asmotion_diagnostics::similar;
 use asmotion_network::call_error;
 
 use crate::error::RemoteError;
+use crate::levels::with_levels_left_out;
 use crate::order::{Order, OrderKind, control_address};
 use crate::presence::{RobotPresence, key};
 use crate::roster::{ComponentLocation, Roster, WORDS, find_component};
@@ -143,8 +144,8 @@ impl Remote {
         }
     }
 
-    /// The known operation with the most similar name.
-    pub(crate) fn similar_operation(&self, name: &str) -> Option<String> {
+    /// The known operation with the most similar name, or the one that a name means in which levels are left out.
+    pub fn similar_operation(&self, name: &str) -> Option<String> {
         let mut known = Vec::new();
         for presence in self.processes() {
             for component in &presence.presence.components {
@@ -155,7 +156,14 @@ impl Remote {
                 }
             }
         }
-        similar(name, &known).cloned()
+        match with_levels_left_out(name, &known).as_slice() {
+            [only] => Some((*only).clone()),
+            [] => similar(name, &known).cloned(),
+            several => {
+                let nearest = similar(name, several.iter().copied());
+                nearest.or(several.first().copied()).cloned()
+            }
+        }
     }
 
     /// Full name of the component that provides an operation; `None` unless its presence is known.
