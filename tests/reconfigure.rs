@@ -392,3 +392,124 @@ fn c18_two_specifications_that_talk_to_each_other_are_replaced_together_or_not_a
     assert_eq!((code, &*out), (Some(0), expected), "{err}");
     drop(running);
 }
+
+/// Asks for the double of 4.
+const ASKER: &str = "asm asker
+import StandardLibrary
+import CommonBehavior
+signature:
+	enum domain Mode = {WAITING | LATE}
+	domain Services subsetof Agent
+	static sums: Services
+	monitored late: Boolean
+	controlled mode: Mode
+	controlled asked: Boolean
+	controlled answer: Integer
+	out double: Prod(Services, Integer) -> Integer
+definitions:
+	main rule r_Main =
+		par
+			if not asked then asked := true endif
+			if not isDef(answer) then r_wcall[sums, \"double\", 4, 600000, answer] endif
+			if late then mode := LATE endif
+		endpar
+default init s0:
+	function mode = WAITING
+	function asked = false
+";
+
+const REPLIER: &str = "asm replier
+import StandardLibrary
+import CommonBehavior
+signature:
+	controlled argument: Integer
+	out double: Prod(Agent, Integer) -> Integer
+definitions:
+	main rule r_Main =
+		if nextRequest(self) = \"double\" then
+			seq
+				r_wreceive[undef, \"double\", argument]
+				r_wreply[undef, \"double\", argument + argument]
+			endseq
+		endif
+default init s0:
+	function argument = 0
+";
+
+/// `Silent` has one cycle, before it is asked.
+const ASKED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "asked"
+[components.Silent]
+implementation = { asm = "replier.asm" }
+task = { period_ms = 80000000 }
+services = { adding = "test/Adds" }
+[components.Asker]
+implementation = { asm = "asker.asm" }
+task = { period_ms = 50, delay_ms = 500 }
+references = { sums = "test/Adds" }
+bind.monitored.late = { timer = "asked", ms = 80000000 }
+[[wires]]
+reference = "Asker.sums"
+service = "Silent.adding"
+timeout_ms = 600000
+"#;
+
+#[test]
+fn c18_a_timer_is_removed_and_added_while_a_call_is_under_way() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("asker.asm", ASKER), ("replier.asm", REPLIER)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let composite = folder.path().join("asked.composite.toml");
+    let path = composite.to_str().unwrap();
+    std::fs::write(&composite, ASKED).unwrap();
+    let running = Running::start(&mut through(run_any(&composite), &broker, &vhost, None));
+    crate::processes::queues(&vhost, "robots.services.asked.control.asked");
+    // waits until the asker shows a text
+    let shows = |expected: &str| {
+        let until = std::time::Instant::now() + std::time::Duration::from_secs(60);
+        loop {
+            let (_, out, err) = tool(&broker, &url, &["component", "info", "Asker"]);
+            if out.contains(expected) {
+                return;
+            }
+            assert!(std::time::Instant::now() < until, "{expected}: {out}{err}");
+        }
+    };
+    shows("sums.double");
+
+    let removed = ASKED.replace("{ timer = \"asked\", ms = 80000000 }", "{ value = false }");
+    std::fs::write(&composite, &removed).unwrap();
+    let expected = "asked: `Asker` runs `asker.asm` with other bindings\n\
+                    asked: the timer of `late` ends: its binding differs\n";
+    for arguments in [
+        ["reconfigure", path, "--try"].as_slice(),
+        &["reconfigure", path],
+    ] {
+        let (code, out, err) = tool(&broker, &url, arguments);
+        assert_eq!((code, &*out), (Some(0), expected), "{err}");
+    }
+    shows("mode = WAITING");
+
+    // a timer that is added begins, and ends; the call is under way all the time
+    let timed = removed.replace("{ value = false }", "{ timer = \"asked\", ms = 1 }");
+    std::fs::write(&composite, timed).unwrap();
+    let (code, out, err) = tool(&broker, &url, &["reconfigure", path]);
+    assert_eq!(code, Some(0), "{out}{err}");
+    shows("mode = LATE");
+    shows("sums.double");
+    // another length does not end it
+    std::fs::write(&composite, ASKED).unwrap();
+    let (code, out, err) = tool(&broker, &url, &["reconfigure", path]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(!out.contains("timer"), "{out}");
+    drop(running);
+}

@@ -10,3 +10,4 @@ mod start;
 mod tca;
 #[path = "../../plan/tests/support/variables.rs"]
 mod variables;
+mod waiting;

@@ -217,7 +217,7 @@ timeout_ms = 5000
 "#;
 
 /// Returns a text after replacements.
-fn replaced(text: &str, changes: &[(&str, &str)]) -> String {
+pub(crate) fn replaced(text: &str, changes: &[(&str, &str)]) -> String {
     let mut text = text.to_owned();
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
@@ -227,7 +227,7 @@ fn replaced(text: &str, changes: &[(&str, &str)]) -> String {
 }
 
 /// Returns the files and version of a composite and its specification.
-fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
+pub(crate) fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
     let mut files = MemoryFiles::new();
     files.add("main.toml", composite);
     files.add("brain.asm", specification);
@@ -253,7 +253,7 @@ fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
     (files, version)
 }
 
-fn start((files, version): &(MemoryFiles, Version)) -> (System, Log) {
+pub(crate) fn start((files, version): &(MemoryFiles, Version)) -> (System, Log) {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
@@ -266,7 +266,7 @@ fn start((files, version): &(MemoryFiles, Version)) -> (System, Log) {
     (system, log)
 }
 
-fn status(run: &mut dyn Run, component: &str) -> CoordinatorStatus {
+pub(crate) fn status(run: &mut dyn Run, component: &str) -> CoordinatorStatus {
     let entries = run.inspect(component).expect("a coordinator");
     CoordinatorStatus::of(&entries).expect("its status")
 }
@@ -277,7 +277,11 @@ fn said(log: &Log) -> Vec<i64> {
 }
 
 /// Applies a version. Returns the notes, or the refusal.
-fn apply(run: &mut dyn Run, from: &Version, to: &Version) -> Result<Vec<String>, String> {
+pub(crate) fn apply(
+    run: &mut dyn Run,
+    from: &Version,
+    to: &Version,
+) -> Result<Vec<String>, String> {
     let planned = changes(from, to, run).expect("no new start is needed");
     let tried = run.check_change(&planned).map_err(|it| it.to_string());
     let done = run.change(&planned).map_err(|it| it.to_string());

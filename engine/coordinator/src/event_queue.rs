@@ -108,6 +108,16 @@ impl EventQueue {
         self.events.len()
     }
 
+    /// Returns the number of messages.
+    pub fn messages(&self) -> usize {
+        self.messages
+    }
+
+    /// Returns the number of outcomes of calls.
+    pub fn outcomes(&self) -> usize {
+        self.events.len() - self.messages
+    }
+
     pub fn is_empty(&self) -> bool {
         self.events.is_empty()
     }
@@ -187,8 +197,8 @@ mod tests {
             .sum();
         assert_eq!((message, outcomes), (0, 300 - DEFAULT_SIZE as u64));
         assert_eq!(
-            (events.len(), events.remove_messages()),
-            (DEFAULT_SIZE + 1, 1)
+            (events.outcomes(), events.remove_messages()),
+            (DEFAULT_SIZE, 1)
         );
         events.remove_outcomes(1);
         assert!(events.is_empty());

@@ -16,7 +16,7 @@ use crate::terms::BindingTerms;
 use asmotion_component::{BufferKind, Cycle, Flow, In, Losses, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
-use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
+use asmotion_lang::ir::{AddedTerm, FunctionId, Program, ValueShape};
 use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::value::Value;
 use std::borrow::Cow;
@@ -236,6 +236,19 @@ impl MessageInputs {
     pub fn has_waiting_events(&self) -> bool {
         let mut locations = self.inputs.iter().flat_map(|input| &input.locations);
         locations.any(|location| !location.waiting.is_empty())
+    }
+
+    /// Returns the number of outcomes of calls that wait for a following step.
+    pub fn waiting_outcomes(&self) -> usize {
+        let locations = self.inputs.iter().flat_map(|input| &input.locations);
+        locations.map(|location| location.waiting.outcomes()).sum()
+    }
+
+    /// Returns whether a function is bound to a timer.
+    pub fn has_timer(&self, function: FunctionId) -> bool {
+        let is_timer = |input: &BoundInput| matches!(input.from, MessageOrigin::Timer(..));
+        let mut inputs = self.inputs.iter();
+        inputs.any(|input| input.located.function == function && is_timer(input))
     }
 
     /// Determines the values that messages must have in this cycle. Waiting messages with other values are refused.
@@ -583,7 +596,7 @@ impl BoundInput {
         )
     }
 
-    fn name<'p>(&self, program: &'p Program) -> &'p str {
+    pub fn name<'p>(&self, program: &'p Program) -> &'p str {
         let symbols = &program.symbols.functions;
         let name = symbols.get(self.located.function.0 as usize);
         name.map_or("", |name| &**name)

@@ -4,6 +4,7 @@
 //! keep their messages if their binding is the same; the others begin without one, and the dropped messages are listed. Calls
 //! and requests under way are continued.
 
+use crate::binding::{Monitored, Source};
 use crate::coordinator::Coordinator;
 use crate::event_queue::WaitingEvent;
 use crate::inputs::{BoundInput, InputLocation};
@@ -93,40 +94,43 @@ impl Coordinator {
         elements: &Correspondence,
     ) -> Result<Vec<String>, Fault> {
         let has_same_outputs = self.has_same_outputs(predecessor, elements);
-        let (mut unknown_events, mut kept) = (0, BTreeSet::new());
+        if predecessor.inbox.waiting_outcomes() > 0 && !has_same_outputs {
+            return Err(Fault::new(
+                "the outcome of a call waits for the next step, and the bindings of out functions differ: try again",
+            ));
+        }
+        let (mut notes, mut kept) = (Vec::new(), BTreeSet::new());
+        self.inbox.losses = predecessor.inbox.losses;
+        self.inbox.dropped_elsewhere = predecessor.inbox.dropped_elsewhere;
         let (new, old) = (&self.binding.monitored, &predecessor.binding.monitored);
         for (position, input) in self.inbox.inputs.iter_mut().enumerate() {
             let binding = new.get(position);
             let mut known = predecessor.inbox.inputs.iter().enumerate();
             let found = known.find(|(known, before)| {
-                old.get(*known) == binding
+                continues(old.get(*known), binding)
                     && elements.function(before.located.function) == Some(input.located.function)
                     && (binding.is_some() || has_same_location(input, before, elements))
             });
             match found {
                 Some((known, before)) => {
                     kept.insert(known);
-                    unknown_events += keep_input(input, before, elements);
+                    let unknown = keep_input(input, before, elements);
+                    self.inbox.losses.misfits += unknown;
+                    notes.extend(unknown_elements(before, unknown, predecessor));
                 }
                 // losses from before count for the predecessor
                 None => input.lost.before = u64::MAX,
             }
         }
-        let mut waiting = predecessor.inbox.inputs.iter().flat_map(|it| &it.locations);
-        let has_outcome = waiting.any(|it| it.waiting.iter().any(|event| event.answers.is_some()));
-        if has_outcome && !has_same_outputs {
-            return Err(Fault::new(
-                "the outcome of a call waits for the next step, and the bindings of out functions differ: try again",
-            ));
-        }
-        self.inbox.losses = predecessor.inbox.losses;
-        self.inbox.losses.misfits += unknown_events;
-        self.inbox.dropped_elsewhere = predecessor.inbox.dropped_elsewhere;
-        let mut notes = Vec::new();
         for (position, before) in predecessor.inbox.inputs.iter().enumerate() {
             if !kept.contains(&position) {
                 notes.extend(self.drop_messages(before, predecessor, elements));
             }
+        }
+        if self.inbox.waiting_outcomes() < predecessor.inbox.waiting_outcomes() {
+            return Err(Fault::new(
+                "the outcome of a call waits for the next step, and the location that takes it differs: try again",
+            ));
         }
         Ok(notes)
     }
@@ -150,8 +154,12 @@ impl Coordinator {
             if function.is_some() && before.remembers(location) {
                 notes.push(format!("the last message of `{name}` is dropped: {reason}"));
             }
-            if function.is_some() && before.is_timed(location) {
-                notes.push(format!("the timer of `{name}` begins anew: {reason}"));
+            if before.is_timed(location) {
+                let begins = match function {
+                    Some(function) if self.inbox.has_timer(function) => "begins anew",
+                    Some(_) | None => "ends",
+                };
+                notes.push(format!("the timer of `{name}` {begins}: {reason}"));
             }
             let unread = before.unread(location);
             if unread > 0 {
@@ -290,7 +298,33 @@ fn has_same_location(input: &BoundInput, before: &BoundInput, elements: &Corresp
     translated.eq(one.arguments.iter().cloned().map(Some))
 }
 
-/// Returns the number of waiting events that name an element which does not exist any more.
+/// Returns whether an input with the second binding continues one with the first. A timer continues with another time, because
+/// its condition has held for as long as before.
+fn continues(before: Option<&Monitored>, after: Option<&Monitored>) -> bool {
+    let (Some(before), Some(after)) = (before, after) else {
+        return before == after;
+    };
+    let has_same_condition = matches!(
+        (&before.from, &after.from),
+        (Source::Timer { running, .. }, Source::Timer { running: other, .. }) if running == other
+    );
+    before == after || has_same_condition && before.location == after.location
+}
+
+/// Describes the waiting messages that name an element which does not exist any more.
+fn unknown_elements(before: &BoundInput, count: u64, predecessor: &Coordinator) -> Option<String> {
+    let name = before.name(predecessor.machine.program());
+    let (messages, are) = match count {
+        0 => return None,
+        1 => ("message", "is"),
+        _ => ("messages", "are"),
+    };
+    Some(format!(
+        "{count} unread {messages} of `{name}` {are} dropped: the new version lacks an element in them"
+    ))
+}
+
+/// Returns the number of waiting messages that name an element which does not exist any more.
 fn keep_input(input: &mut BoundInput, before: &BoundInput, elements: &Correspondence) -> u64 {
     let mut unknown = 0;
     input.lost = before.lost;
@@ -302,11 +336,10 @@ fn keep_input(input: &mut BoundInput, before: &BoundInput, elements: &Correspond
     }
     for before in &before.locations {
         let arguments = before.arguments.iter().map(|it| elements.value(it));
-        let Some(arguments) = arguments.collect::<Option<Vec<_>>>() else {
-            continue;
-        };
+        let arguments = arguments.collect::<Option<Vec<_>>>();
         let mut known = input.locations.iter_mut();
-        let Some(location) = known.find(|it| it.arguments == arguments) else {
+        let Some(location) = known.find(|it| Some(&it.arguments) == arguments.as_ref()) else {
+            unknown += before.waiting.messages() as u64;
             continue;
         };
         location.newest = before.newest;
@@ -321,7 +354,7 @@ fn keep_input(input: &mut BoundInput, before: &BoundInput, elements: &Correspond
             })
         });
         location.waiting = waiting.collect();
-        unknown += (before.waiting.len() - location.waiting.len()) as u64;
+        unknown += (before.waiting.messages() - location.waiting.messages()) as u64;
     }
     unknown
 }
