@@ -52,6 +52,7 @@ mod ros_case;
 mod routes;
 mod scenario;
 mod shell;
+mod stops;
 mod stranger;
 mod supply;
 mod tour;

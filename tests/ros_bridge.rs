@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
 
 use asmotion_ros_master::{Master, SOON};
 use serde_json::json;
@@ -63,6 +64,20 @@ impl Mission {
                 Err(_) => panic!("no line with `{text}`, only {before:#?}"),
             }
         }
+    }
+}
+
+impl Mission {
+    /// Sends a signal such as `-TERM`.
+    pub(crate) fn signal(&self, signal: &str) {
+        let process = self.child.id().to_string();
+        let sent = Command::new("kill").args([signal, &process]).status();
+        assert!(sent.unwrap().success());
+    }
+
+    /// Waits for its end.
+    pub(crate) fn end(mut self) {
+        self.child.wait().unwrap();
     }
 }
 
@@ -156,7 +171,7 @@ fn r10_a_topic_mapped_both_ways_does_not_storm() {
     };
     assert_eq!(of("/one"), ["first", "ping", "ping", "last"]);
     assert_eq!(of("/words_RosBridge"), ["pong", "pong"]);
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    std::thread::sleep(Duration::from_millis(300));
     assert_eq!(other.waiting("/word"), 0);
 }
 

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use asmotion_composite::model::RestartPolicy;
-use asmotion_plan::{Plan, Process, Restart};
+use asmotion_composite::model::{BuiltinComponent, RestartPolicy};
+use asmotion_datum::Word as _;
+use asmotion_plan::{Implementation, Plan, Process, Restart};
 use clap::Args;
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -56,6 +57,8 @@ const LOOK: Duration = Duration::from_millis(50);
 const BACKOFF: Duration = Duration::from_millis(200);
 /// Time that child processes have to end after SIGTERM.
 const GRACE: Duration = Duration::from_secs(10);
+/// Time after which processes that lead out of the system end too, although others have not.
+const LEAD: Duration = Duration::from_secs(1);
 
 impl Up {
     /// Starts the processes and waits until all have ended.
@@ -128,6 +131,7 @@ impl Up {
             SupervisedProcess {
                 name: process.name.clone(),
                 command,
+                leads_out: leads_out(plan, process),
                 restarts: Restarts::new(plan.restart.clone()),
                 state: SupervisedState::Due(Instant::now()),
             }
@@ -156,10 +160,30 @@ impl Up {
     }
 }
 
+/// Returns whether a component of the process passes samples on to ROS, another robot or a program.
+fn leads_out(plan: &Plan, process: &Process) -> bool {
+    let components = plan.components.iter();
+    let mut here = components.filter(|it| process.components.contains(&it.name));
+    here.any(|component| match &component.implementation {
+        Implementation::Builtin { name, .. } => {
+            [BuiltinComponent::RosBridge, BuiltinComponent::Remote]
+                .iter()
+                .any(|it| it.word() == *name)
+        }
+        Implementation::Process { .. } => true,
+        Implementation::Rust(_)
+        | Implementation::Asm { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => false,
+    })
+}
+
 /// A supervised process.
 struct SupervisedProcess {
     name: String,
     command: Command,
+    /// Passes on what other processes write, and ends after them.
+    leads_out: bool,
     restarts: Restarts,
     state: SupervisedState,
 }
@@ -193,7 +217,13 @@ fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput
         std::thread::sleep(LOOK);
     }
     let until = Instant::now() + GRACE;
-    children.iter_mut().for_each(SupervisedProcess::terminate);
+    let (mut last, mut first): (Vec<_>, Vec<_>) = children.iter_mut().partition(|it| it.leads_out);
+    first.iter_mut().for_each(|child| child.terminate());
+    let lead = Instant::now() + LEAD;
+    while Instant::now() < lead && first.iter_mut().any(|child| child.is_running()) {
+        std::thread::sleep(LOOK);
+    }
+    last.iter_mut().for_each(|child| child.terminate());
     for child in &mut children {
         child.wait_for_end(until, terminal);
     }
@@ -271,6 +301,13 @@ impl SupervisedProcess {
             }
             SupervisedState::Due(_) => self.state = SupervisedState::Ended { success: true },
             SupervisedState::Ended { .. } => {}
+        }
+    }
+
+    fn is_running(&mut self) -> bool {
+        match &mut self.state {
+            SupervisedState::Running(child) => matches!(child.try_wait(), Ok(None)),
+            SupervisedState::Due(_) | SupervisedState::Ended { .. } => false,
         }
     }
 

@@ -72,7 +72,7 @@ pub enum OnException {
     Stop,
     /// The component is reset, configured and started again, at most `max_resets` times.
     Reset,
-    /// All components stop, in reverse order of their start.
+    /// All components stop, in the order of the end of a run.
     Escalate,
 }
 

@@ -10,6 +10,22 @@ use crate::fault::Fault;
 use crate::frozen::{CannotFreeze, FreezeProblem, FrozenState, ThawError, ThawProblem};
 use crate::setup::Setup;
 
+/// The components that stop before one that reads their samples.
+///
+/// Components stop in reverse order of addition. One that passes samples on to the world outside would stop before its
+/// writers if it was added after them, and their [safe samples](crate::Interface::safe) would not leave. It therefore awaits
+/// them in any order of addition, and its stop begins with a cycle if samples have arrived since the last one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AwaitedWriters {
+    /// None, and samples that arrive after the last cycle are not read.
+    #[default]
+    None,
+    /// Those that write a safe sample to it.
+    Safe,
+    /// All that write to it: for a bridge to another middleware.
+    All,
+}
+
 /// A component of a running system: an object with a cycle.
 ///
 /// Its constructor declares its ports, services, references and properties on an [`Interface`](crate::Interface)
@@ -44,6 +60,11 @@ pub trait Component: Any + Send {
     /// replies to waiting requests. One-way calls leave too; other calls end as cancelled at once. The engine then writes
     /// the [safe samples](crate::Interface::safe) of the outputs, also if this hook panics.
     fn stop(&mut self, _: &mut Cycle<'_>) {}
+
+    /// The writers that stop before this component, because it passes their last samples on. Default: none.
+    fn awaited_writers(&self) -> AwaitedWriters {
+        AwaitedWriters::None
+    }
 
     /// Answers requests while the component is configured and stopped (a TCA task that is not scheduled still answers its
     /// services). Called instead of `update`, without counting as a cycle, when there are requests of operations marked

@@ -40,7 +40,7 @@ pub use asmotion_derive::{Freeze, Ports, Properties, Word};
 pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, Time};
 pub use background::{BackgroundWork, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
-pub use component::Component;
+pub use component::{AwaitedWriters, Component};
 pub use conversion::PropertyConversion;
 pub use cycle::{Cycle, LOG_REPORT, NOTICE_REPORT};
 pub use declaration::Declaration;

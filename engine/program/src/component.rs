@@ -5,7 +5,7 @@ mod frozen;
 mod session;
 
 use asmotion_component::{
-    CannotFreeze, Component, Cycle, Fault, FrozenState, Interface, Setup, ThawError,
+    AwaitedWriters, CannotFreeze, Component, Cycle, Fault, FrozenState, Interface, Setup, ThawError,
 };
 use asmotion_datum::Datum;
 
@@ -118,6 +118,11 @@ impl Component for ProgramComponent {
     fn serve(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let request = self.serve_request(cycle);
         Ok(self.run(cycle, request, "serve")?)
+    }
+
+    /// A program may drive a device or lead to another network.
+    fn awaited_writers(&self) -> AwaitedWriters {
+        AwaitedWriters::Safe
     }
 
     fn stop(&mut self, cycle: &mut Cycle<'_>) {

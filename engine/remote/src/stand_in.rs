@@ -12,8 +12,8 @@ use std::sync::Arc;
 use asmotion_bus::{Notifier, PendingCall};
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{
-    CallError, Component, Cycle, Dynamic, Fault, In, Interface, NOTICE_REPORT, Out, Provided,
-    RequestId, ServiceFault, Setup,
+    AwaitedWriters, CallError, Component, Cycle, Dynamic, Fault, In, Interface, NOTICE_REPORT, Out,
+    Provided, RequestId, ServiceFault, Setup,
 };
 use asmotion_datum::{Datum, Schema};
 use asmotion_network::call_error;
@@ -217,15 +217,8 @@ impl Component for StandIn {
         fault.map_or(Ok(()), |fault| Err(Fault::new(fault)))
     }
 
-    fn stop(&mut self, cycle: &mut Cycle<'_>) {
-        // the last commands, such as safe samples of the components before it
-        if let Some(link) = &self.link {
-            for (name, port) in &self.inputs {
-                for sample in cycle.all(*port).to_vec() {
-                    link.command(name, sample);
-                }
-            }
-        }
+    fn awaited_writers(&self) -> AwaitedWriters {
+        AwaitedWriters::All
     }
 
     fn cleanup(&mut self) {

@@ -10,8 +10,8 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use asmotion_component::{
-    Activity, Component, Cycle, Drive, Fault, LifeCycleError, OnException, PropertyError, Setup,
-    State, Transition, guarded,
+    Activity, AwaitedWriters, Component, Cycle, Drive, Fault, LifeCycleError, OnException,
+    PropertyError, Setup, State, Transition, guarded,
 };
 use asmotion_datum::Datum;
 use asmotion_port::Time;
@@ -97,6 +97,7 @@ impl ComponentUnit {
             configure_on_startup: self.activity.configure_on_startup,
             run_on_startup: self.activity.run_on_startup,
             may_interrupt: self.activity.may_interrupt,
+            awaited_writers: self.component.awaited_writers(),
             status: Arc::clone(&self.status),
         }
     }
@@ -123,7 +124,13 @@ impl ComponentUnit {
         }
         let refused = self.body.freeze(&mut own);
         self.status.add_refused(refused);
+        self.run_frozen(now, effects);
+    }
+
+    /// Runs one cycle with the inputs that have been frozen.
+    fn run_frozen(&mut self, now: Time, effects: &mut dyn Effects) {
         let number = self.status.cycles.fetch_add(1, Ordering::Relaxed) + 1;
+        let mut own = component_effects(&self.name, self.index, now, effects);
         own.emit(&Event::Cycle {
             component: &self.name,
             number,
@@ -153,6 +160,23 @@ impl ComponentUnit {
             }
             cycle.finish()
         })
+    }
+
+    /// Runs one more cycle of a component that passes on the last samples of [others](Component::awaited_writers), if any have
+    /// arrived since its last cycle.
+    fn take_last_samples(&mut self, now: Time, effects: &mut dyn Effects) {
+        match self.component.awaited_writers() {
+            AwaitedWriters::None => return,
+            AwaitedWriters::Safe | AwaitedWriters::All => {}
+        }
+        let mut own = component_effects(&self.name, self.index, now, effects);
+        let refused = self.body.freeze(&mut own);
+        self.status.add_refused(refused);
+        if self.body.has_new_inputs() {
+            self.run_frozen(now, effects);
+            // a component that stops is not restarted
+            self.has_faulted = false;
+        }
     }
 
     /// Answers the requests that a stopped component takes. Not a cycle: neither counted nor reported as one.
@@ -314,6 +338,9 @@ impl ComponentUnit {
         now: Time,
         effects: &mut dyn Effects,
     ) -> Result<(), LifeCycleError> {
+        if transition == Transition::Stop && self.state.is_running() {
+            self.take_last_samples(now, effects);
+        }
         let Some(target) = transition.target(self.state) else {
             return Err(LifeCycleError::Refused {
                 component: self.name.to_string(),

@@ -113,6 +113,19 @@ impl ConnectionTable {
         self.direct.iter().position(ends)
     }
 
+    /// Returns whether an output that `is_wanted`, by position, of one component is connected to an input of another one,
+    /// directly or by a topic.
+    pub(crate) fn connects(
+        &self,
+        (from, to): (usize, usize),
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> bool {
+        let mut all = self.direct.iter().chain(&self.by_topic);
+        all.any(|(_, output, input)| {
+            (output.unit, input.unit) == (from, to) && is_wanted(output.index)
+        })
+    }
+
     /// Adds a direct connection to the table.
     pub(crate) fn insert(
         &mut self,

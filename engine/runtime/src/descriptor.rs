@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_component::{Declaration, Fault, Losses, State, Transition, Wire};
+use asmotion_component::{AwaitedWriters, Declaration, Fault, Losses, State, Transition, Wire};
 use asmotion_port::ChannelOpener;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,8 @@ pub(crate) struct ComponentDescriptor {
     pub configure_on_startup: bool,
     pub run_on_startup: bool,
     pub may_interrupt: bool,
+    /// The writers that stop before this component.
+    pub awaited_writers: AwaitedWriters,
     pub status: Arc<ComponentStatus>,
 }
 

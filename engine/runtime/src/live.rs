@@ -386,9 +386,10 @@ impl Executor for Live {
 /// Stops all components and ends the threads. A thread that does not end in time is detached.
 impl Drop for Live {
     fn drop(&mut self) {
-        self.bus_thread = None;
         self.sources = None;
         let late = self.stop_all();
+        // afterwards, so that one-way calls of last cycles leave
+        self.bus_thread = None;
         self.notify_observers(&mut None);
         self.context.end();
         for thread in &self.threads {

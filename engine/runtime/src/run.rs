@@ -9,6 +9,7 @@ mod reader;
 mod removal;
 mod replacement;
 mod run_impl;
+mod stop_order;
 mod writer;
 
 use std::sync::Arc;
@@ -216,7 +217,9 @@ pub trait Run {
     /// [`RunError::Unknown`] if there is no such component, [`RunError::Busy`] if its cycle does not end soon.
     fn inspect(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError>;
 
-    /// Stops all running components in reverse order of addition. Returns the names of those that did not stop in time.
+    /// Stops all running components in reverse order of addition, but a component after the
+    /// [writers that it awaits](asmotion_component::Component::awaited_writers). Returns the names of those that did not stop
+    /// in time.
     fn stop(&mut self) -> Vec<String>;
 
     /// Opens a connection of its own into an input port. The writer works from any thread, without the run.

@@ -1,14 +1,17 @@
 //! The last cycle: what a component says when it stops or fails, and the safe samples of its outputs.
 
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crate::common::{Double, Number, Twist, number};
+
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Fault, Interface, OnException, Out, Provided, RequestId,
-    Span, State, Time, Transition,
+    Activity, AwaitedWriters, CallError, Component, Cycle, Fault, In, Interface, OnException, Out,
+    Provided, RequestId, Span, State, Time, Transition,
 };
 use asmotion_datum::Datum;
-use asmotion_runtime::{BuildError, Log, Run, System};
+use asmotion_port::Policy;
+use asmotion_runtime::{BuildError, Change, Log, Run, System};
 
 const DRIVES: Twist = Twist {
     linear: 1.0,
@@ -246,4 +249,136 @@ fn calls_of_the_last_cycle_end_as_cancelled() {
     run.stop();
     // the call was never answered: its caller had stopped
     assert_eq!(log.samples::<Number>("Driver.log").len(), 1);
+}
+
+type Left = Arc<Mutex<Vec<Twist>>>;
+
+/// Passes on what it takes, to another component and to the world outside.
+struct Carrier {
+    taken: In<Twist>,
+    passed: Out<Twist>,
+    awaited_writers: AwaitedWriters,
+    left: Left,
+}
+
+impl Component for Carrier {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for sample in cycle.all(self.taken).to_vec() {
+            self.left.lock().unwrap().push(sample);
+            cycle.write(self.passed, sample);
+        }
+        Ok(())
+    }
+
+    fn awaited_writers(&self) -> AwaitedWriters {
+        self.awaited_writers
+    }
+}
+
+/// A system of a driver, a carrier `Near` that reads it, and a carrier `Far` that reads that one, added in this order. Returns it
+/// with what leaves the two.
+fn carried(order: [&str; 3], near: AwaitedWriters, far: AwaitedWriters) -> (System, [Left; 2]) {
+    let (mut system, left) = (System::new(), [Left::default(), Left::default()]);
+    for name in order {
+        let activity = Activity::periodic(10.ms());
+        if name == "Driver" {
+            let driver = Driver::construct(Ending::Normal);
+            system.add(name, activity, driver).unwrap();
+            continue;
+        }
+        let (awaited_writers, place) = if name == "Near" { (near, 0) } else { (far, 1) };
+        let left = Arc::clone(&left[place]);
+        let carrier = move |interface: &mut Interface| -> Box<dyn Component> {
+            Box::new(Carrier {
+                taken: interface.input("taken", "velocity"),
+                passed: interface.output("passed", "velocity"),
+                awaited_writers,
+                left,
+            })
+        };
+        system.add(name, activity, carrier).unwrap();
+    }
+    let policy = Policy::buffer(64);
+    system
+        .connect("Driver.twist", "Near.taken", policy.clone())
+        .unwrap();
+    system.connect("Near.passed", "Far.taken", policy).unwrap();
+    (system, left)
+}
+
+const ORDERS: [[&str; 3]; 6] = [
+    ["Driver", "Near", "Far"],
+    ["Driver", "Far", "Near"],
+    ["Near", "Driver", "Far"],
+    ["Near", "Far", "Driver"],
+    ["Far", "Driver", "Near"],
+    ["Far", "Near", "Driver"],
+];
+
+fn last(left: &Left) -> Option<Twist> {
+    left.lock().unwrap().last().copied()
+}
+
+#[test]
+fn the_safe_sample_passes_through_bridges_added_in_any_order() {
+    for order in ORDERS {
+        for near in [AwaitedWriters::Safe, AwaitedWriters::All] {
+            let (system, left) = carried(order, near, AwaitedWriters::All);
+            let mut run = system.simulate();
+            run.run_until(Time::ZERO + 105.ms());
+            run.stop();
+            let last = left.each_ref().map(last);
+            assert_eq!(last, [Some(STANDS); 2], "{order:?}, {near:?}");
+            let (system, left) = carried(order, near, AwaitedWriters::All);
+            let mut run = system.live();
+            run.run_for(50.ms());
+            drop(run);
+            let last = left.each_ref().map(last);
+            assert_eq!(last, [Some(STANDS); 2], "{order:?}, {near:?}");
+        }
+    }
+}
+
+#[test]
+fn bridges_that_are_removed_take_the_safe_sample_first() {
+    for order in ORDERS {
+        let (system, left) = carried(order, AwaitedWriters::Safe, AwaitedWriters::All);
+        let mut run = system.live();
+        run.run_for(50.ms());
+        let remove = |name: &str| Change::Remove {
+            component: name.to_owned(),
+        };
+        let changes = ["Near", "Driver", "Far"].map(remove);
+        run.change(&changes).unwrap();
+        assert_eq!(last(&left[0]), Some(STANDS), "{order:?}");
+    }
+}
+
+/// No order makes both right, so the one added last stops first.
+#[test]
+fn bridges_that_read_each_other_stop_all_the_same() {
+    for order in ORDERS {
+        let (mut system, left) = carried(order, AwaitedWriters::All, AwaitedWriters::All);
+        let back = system.connect("Far.passed", "Near.taken", Policy::buffer(64));
+        back.unwrap();
+        let mut run = system.live();
+        run.run_for(50.ms());
+        assert!(run.stop().is_empty());
+        for component in order {
+            assert_eq!(run.state(component), Some(State::Stopped));
+        }
+        let near = left[0].lock().unwrap();
+        assert!(near.contains(&STANDS), "{order:?}: {near:?}");
+    }
+}
+
+#[test]
+fn without_new_samples_a_bridge_has_no_further_cycle_and_others_never_have_one() {
+    let (system, left) = carried(ORDERS[0], AwaitedWriters::None, AwaitedWriters::All);
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 105.ms());
+    let cycles = ["Near", "Far"].map(|name| run.cycles(name));
+    run.stop();
+    assert_eq!(["Near", "Far"].map(|name| run.cycles(name)), cycles);
+    assert_eq!(left.each_ref().map(last), [Some(DRIVES); 2]);
 }

@@ -5,3 +5,4 @@ mod driver;
 mod handle;
 mod orders;
 mod robot;
+mod stand_in;

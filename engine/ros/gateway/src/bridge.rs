@@ -1,10 +1,11 @@
 //! The component.
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use asmotion_bridge::{Conversion, Use};
 use asmotion_component::{
-    Component, Cycle, Fault, In, Interface, Losses, NOTICE_REPORT, Out, Setup,
+    AwaitedWriters, Component, Cycle, Fault, In, Interface, Losses, NOTICE_REPORT, Out, Setup,
 };
 use asmotion_datum::{Datum, Schema};
 
@@ -15,6 +16,9 @@ use crate::misfits::Misfits;
 use crate::offers::OfferedOperation;
 use crate::operation::{MappedOperation, OperationCaller, OperationServer};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+
+/// Longest wait for the last messages to leave, when the bridge ends.
+const LEAVE: Duration = Duration::from_millis(500);
 
 /// Joins topics and operations of a composite with topics, services and actions of ROS.
 ///
@@ -247,8 +251,12 @@ impl Component for RosBridge {
         Ok(())
     }
 
+    fn awaited_writers(&self) -> AwaitedWriters {
+        AwaitedWriters::All
+    }
+
     fn stop(&mut self, _: &mut Cycle<'_>) {
-        // the final cycle has sent the last samples
+        // the cycle before has sent the last samples
         if let Some(mut open) = self.open.take() {
             for (called, caller) in self.calls.iter_mut().zip(&mut open.callers) {
                 called.cancel_all(&mut **caller);
@@ -266,6 +274,16 @@ impl Component for RosBridge {
 
     fn exception(&mut self) {
         self.open = None;
+    }
+}
+
+/// Messages that have been sent leave before the node does.
+impl Drop for OpenConnection {
+    fn drop(&mut self) {
+        let until = Instant::now() + LEAVE;
+        for sender in &mut self.senders {
+            sender.finish(until);
+        }
     }
 }
 

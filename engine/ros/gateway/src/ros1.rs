@@ -1,6 +1,7 @@
 //! Nodes of ROS 1.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use asmotion_bus::{Notifier, Overflow, QueuePolicy, Subscription};
 use asmotion_component::Losses;
@@ -193,6 +194,10 @@ struct Ros1Sender(asmotion_ros1::RosPublisher);
 impl MessageSender for Ros1Sender {
     fn send(&mut self, message: &Datum) -> Result<(), String> {
         self.0.publish(message).map_err(|error| error.to_string())
+    }
+
+    fn finish(&mut self, until: Instant) {
+        self.0.drain(until);
     }
 
     fn losses(&self) -> Losses {

@@ -2,6 +2,7 @@
 
 use std::net::IpAddr;
 use std::sync::Arc;
+use std::time::Instant;
 
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
@@ -264,6 +265,10 @@ struct Ros2Sender(Publisher);
 impl MessageSender for Ros2Sender {
     fn send(&mut self, message: &Datum) -> Result<(), String> {
         self.0.send(message).map_err(|error| error.to_string())
+    }
+
+    fn finish(&mut self, until: Instant) {
+        self.0.drain(until);
     }
 
     fn losses(&self) -> Losses {

@@ -1,6 +1,7 @@
 //! How a bridge reaches the nodes of ROS; each generation of ROS implements it.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
@@ -79,6 +80,9 @@ pub trait MessageSender: Send {
     /// # Errors
     /// The reason that the message cannot be encoded.
     fn send(&mut self, message: &Datum) -> Result<(), String>;
+
+    /// Waits until the messages sent so far have left, at most until this time: dropping the connection drops the others.
+    fn finish(&mut self, until: Instant);
 
     /// Messages dropped so far.
     fn losses(&self) -> Losses;

@@ -89,6 +89,8 @@ impl MessageSender for Memory {
         Ok(())
     }
 
+    fn finish(&mut self, _: Instant) {}
+
     fn losses(&self) -> Losses {
         Losses {
             dropped: 3,

@@ -508,6 +508,18 @@ impl RosPublisher {
         Ok(())
     }
 
+    /// Waits until the messages published so far have been written to the connections of present subscribers, at most until this
+    /// time. Returns whether they have.
+    pub fn drain(&self, until: Instant) -> bool {
+        while !self.publication.is_idle() {
+            if Instant::now() >= until {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        true
+    }
+
     /// The counts of its messages.
     pub fn counts(&self) -> RosPublisherCounts {
         self.publication.counts()

@@ -74,6 +74,8 @@ struct Peers {
 struct Peer {
     node: Arc<str>,
     queue: Mutex<VecDeque<Arc<[u8]>>>,
+    /// A message that was in the queue is being written. Set under the lock of the queue.
+    is_writing: AtomicBool,
     filled: Notify,
     is_closed: AtomicBool,
     sent: AtomicU64,
@@ -91,6 +93,20 @@ impl Peer {
         queue.push_back(message);
         drop(queue);
         self.filled.notify_one();
+    }
+
+    /// Removes the oldest message, which is being written from then on.
+    fn begin_write(&self) -> Option<Arc<[u8]>> {
+        let mut queue = lock(&self.queue);
+        let next = queue.pop_front();
+        self.is_writing.store(next.is_some(), Ordering::Release);
+        next
+    }
+
+    /// Whether all messages have been written.
+    fn is_idle(&self) -> bool {
+        let queue = lock(&self.queue);
+        queue.is_empty() && !self.is_writing.load(Ordering::Acquire)
     }
 
     fn close(&self) {
@@ -133,6 +149,11 @@ impl Publication {
         let mut peers = lock(&self.peers);
         peers.is_closed = true;
         peers.all.iter().for_each(|peer| peer.close());
+    }
+
+    /// Whether all messages have been written to the connections of present subscribers.
+    pub(crate) fn is_idle(&self) -> bool {
+        lock(&self.peers).all.iter().all(|peer| peer.is_idle())
     }
 
     pub(crate) fn counts(&self) -> RosPublisherCounts {
@@ -191,6 +212,7 @@ impl Publication {
         let peer = Arc::new(Peer {
             node,
             queue: Mutex::default(),
+            is_writing: AtomicBool::new(false),
             filled: Notify::new(),
             is_closed: AtomicBool::new(false),
             sent: AtomicU64::new(0),
@@ -259,8 +281,7 @@ async fn write_messages(context: &Context, peer: &Peer, stream: TcpStream) -> Re
     let (mut from, mut to) = stream.into_split();
     let writing = async {
         loop {
-            let next = lock(&peer.queue).pop_front();
-            let Some(message) = next else {
+            let Some(message) = peer.begin_write() else {
                 if peer.is_closed.load(Ordering::Acquire) {
                     return Ok(());
                 }

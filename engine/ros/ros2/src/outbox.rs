@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use rustdds::bytes::Bytes;
 use rustdds::dds::WriteError;
@@ -12,6 +13,9 @@ use crate::error::SendError;
 use crate::gid::Gid;
 use crate::payload::{Payload, Raw};
 use crate::reactor::Chore;
+
+/// Time that messages without acknowledgement have to leave.
+const UNACKNOWLEDGED: Duration = Duration::from_millis(20);
 
 /// Numbers of messages of a publisher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -126,6 +130,28 @@ impl Outbox {
                 })
             }
         }
+    }
+
+    /// Waits until DDS has taken the messages sent so far, and reliable subscriptions have acknowledged them, at most until this
+    /// time. Returns whether they have.
+    pub(crate) fn drain(&self, until: Instant) -> bool {
+        loop {
+            let mut state = self.lock();
+            self.flush(&mut state);
+            if state.waiting.is_empty() {
+                break;
+            }
+            drop(state);
+            if Instant::now() >= until {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let left = until.saturating_duration_since(Instant::now());
+        let acknowledged = self.writer.wait_for_acknowledgments(left);
+        // nothing tells when the thread of DDS has sent what needs no acknowledgement
+        std::thread::sleep(UNACKNOWLEDGED.min(until.saturating_duration_since(Instant::now())));
+        acknowledged.unwrap_or(false)
     }
 
     fn flush(&self, state: &mut State) {

@@ -1,7 +1,7 @@
 //! Publishers.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_datum::{Codec, Datum, Schema};
 
@@ -44,6 +44,12 @@ impl Publisher {
         let gid = self.outbox.gid;
         let enough = |graph: &Graph| graph.matches(gid) >= count;
         self.inner.graph.wait(longest, enough)
+    }
+
+    /// Waits until the messages sent so far have left, and reliable subscriptions have acknowledged them, at most until this time.
+    /// Returns whether they have.
+    pub fn drain(&self, until: Instant) -> bool {
+        self.outbox.drain(until)
     }
 
     /// The numbers of messages.

@@ -13,9 +13,9 @@ use crate::context::LiveContext;
 /// Longest sleep between two deliveries.
 const NAP: Duration = Duration::from_millis(100);
 
-/// The thread that owns the adapters. Dropping this sets `ended`, notifies the thread and joins it.
+/// The thread that owns the adapters. Dropping this sets `ended`, notifies the thread and joins it; the thread delivers once more.
 pub(crate) struct BusThread {
-    /// Set by the owner, read by the thread before each delivery.
+    /// Set by the owner, read by the thread before each delivery; the one that sees it is the last.
     ended: Arc<AtomicBool>,
     notifier: Arc<Notifier>,
     thread: Option<JoinHandle<()>>,
@@ -33,9 +33,14 @@ impl BusThread {
         let ended = Arc::new(AtomicBool::new(false));
         let (ending, notified) = (Arc::clone(&ended), Arc::clone(&notifier));
         let work = move || {
-            while !ending.load(Ordering::Acquire) {
+            loop {
+                // read first: what components sent before the end is delivered below
+                let is_last = ending.load(Ordering::Acquire);
                 for adapter in &mut adapters {
                     adapter.deliver(context.now(), &mut context);
+                }
+                if is_last {
+                    return;
                 }
                 notified.wait(NAP);
             }

@@ -10,6 +10,7 @@ use asmotion_datum::Sample;
 use asmotion_port::{AnySender, ConnectionId, OutputLink, Time};
 
 use super::asked::Asked;
+use super::stop_order::stop_order;
 use crate::build_error::BuildError;
 use crate::component_end::{ComponentEnd, EndTable, find};
 use crate::component_unit::ComponentUnit;
@@ -170,13 +171,11 @@ pub(crate) trait Executor {
         }
     }
 
-    /// Stops all running components in reverse order. Returns the names of those that did not stop in time.
+    /// Stops all running components in their [order](stop_order). Returns the names of those that did not stop in time.
     fn stop_all(&mut self) -> Vec<String> {
         let mut late = Vec::new();
-        for component in (0..self.descriptors().len()).rev() {
-            if !self.descriptors()[component].status.state().is_running() {
-                continue;
-            }
+        let (connections, descriptors) = self.connections();
+        for component in stop_order(connections, descriptors) {
             let patience = self.change_timeout();
             let stopped = self.run_transition(component, Transition::Stop, patience);
             if matches!(stopped, Err(LifeCycleError::Busy { .. })) {

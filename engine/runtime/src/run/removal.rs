@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use asmotion_component::Transition;
+use asmotion_component::{AwaitedWriters, Transition};
 
 use super::change::{ChangeError, ChangePlan, UndoStep};
 use super::executor::{Act, Executor};
@@ -96,17 +96,28 @@ impl<E: Executor> ChangePlan<'_, E> {
         self.removals.iter().any(|it| it.index == component)
     }
 
-    /// Stops the removed components, slaves first, with a last cycle, whose samples still leave.
+    /// Stops the removed components, slaves first, with a last cycle, whose samples still leave. Those that pass on the last
+    /// samples of others stop after these.
     pub(super) fn stop_removals(&mut self) {
+        let is_last = |it: &RemovedComponent| it.descriptor.awaited_writers != AwaitedWriters::None;
         self.removals
-            .sort_by_key(|it| it.descriptor.master.is_none());
+            .sort_by_key(|it| (is_last(it), it.descriptor.master.is_none()));
+        let waits = self.removals.iter().any(is_last);
+        let patience = self.run.change_timeout();
         for RemovedComponent {
             index, descriptor, ..
         } in &self.removals
         {
             descriptor.allow_interrupt(Transition::Stop);
-            let act: Act = Box::new(|unit, now, effects| unit.remove(now, effects));
-            self.run.submit(*index, act);
+            if waits {
+                // one that is late is removed later
+                let _ = self.run.run_on(*index, patience, |unit, now, effects| {
+                    unit.remove(now, effects);
+                });
+            } else {
+                let act: Act = Box::new(|unit, now, effects| unit.remove(now, effects));
+                self.run.submit(*index, act);
+            }
         }
     }
 

@@ -238,6 +238,11 @@ impl ProvidedService {
         });
     }
 
+    /// Whether there are frozen requests that the component has not taken.
+    pub(crate) fn is_asked(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
     fn cancel(&mut self, key: CallKey) {
         self.waiting.retain(|(_, ask)| ask.key != key);
         while let Some(index) = self.open.iter().position(|open| open.key == key) {
