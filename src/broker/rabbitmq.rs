@@ -115,6 +115,7 @@ pub fn connect(
 ) -> (String, Result<Arc<dyn Bus>, BusError>) {
     let mut settings = settings.clone();
     settings.robot.get_or_insert_with(|| robot.to_owned());
+    settings.returns = true;
     if let Some(process) = process {
         process.clone_into(&mut settings.process);
     }

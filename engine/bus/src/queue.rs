@@ -46,6 +46,8 @@ pub struct SubscriptionCounts {
     pub duplicates: u64,
     /// Arrived in a form that could not be decoded.
     pub unreadable: u64,
+    /// Waited for an earlier run of the reader's process, and were discarded when the subscription began.
+    pub discarded: u64,
 }
 
 #[derive(Default)]
@@ -54,6 +56,7 @@ struct AtomicSubscriptionCounts {
     missed: AtomicU64,
     duplicates: AtomicU64,
     unreadable: AtomicU64,
+    discarded: AtomicU64,
 }
 
 /// The sending end of a subscription's queue, for back ends.
@@ -112,6 +115,15 @@ impl SubscriptionSender {
     /// Sets the total number of messages that never arrived.
     pub fn set_missed(&self, missed: u64) {
         self.shared.counts.missed.store(missed, Ordering::Relaxed);
+    }
+
+    /// Sets the number of messages that waited for an earlier run of the process and were discarded.
+    pub fn set_discarded(&self, discarded: u64) {
+        self.shared
+            .counts
+            .discarded
+            .store(discarded, Ordering::Relaxed);
+        self.shared.notifier.notify();
     }
 
     /// Counts a message that arrived again.
@@ -184,6 +196,7 @@ impl Subscription {
             missed: counts.missed.load(Ordering::Relaxed),
             duplicates: counts.duplicates.load(Ordering::Relaxed),
             unreadable: counts.unreadable.load(Ordering::Relaxed),
+            discarded: counts.discarded.load(Ordering::Relaxed),
         }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering, fence};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
 
 use asmotion_bus::{BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription};
-use asmotion_datum::Schema;
+use asmotion_datum::{DatumError, DatumProblem, Schema};
 use asmotion_port::{BufferKind, Policy, Time};
 use asmotion_runtime::{ComponentEnd, CycleCause, Effects, InjectionPort, LiveContext, System};
 
@@ -72,6 +72,8 @@ struct TopicRoute {
     own_incarnation: Option<u64>,
     /// Number of lost messages that have been reported.
     lost: u64,
+    /// Number of messages for an earlier run of this process that have been reported as discarded.
+    discarded: u64,
 }
 
 impl TopicSubscription {
@@ -115,6 +117,7 @@ impl TopicSubscription {
             cause: system.cycle_cause(input),
             own_incarnation,
             lost: 0,
+            discarded: 0,
         };
         *gate.route.lock().unwrap_or_else(PoisonError::into_inner) = Some(route);
         Ok(Some(Self(gate)))
@@ -167,6 +170,7 @@ impl DeliveryGate {
 
 impl TopicRoute {
     fn drain(&mut self, now: Time, ages: Ages, effects: &mut dyn Effects) {
+        self.report_discarded(now, effects);
         while let Some(envelope) = self.subscription.try_next() {
             if self.own_incarnation == Some(envelope.incarnation) {
                 continue;
@@ -192,6 +196,22 @@ impl TopicRoute {
             self.lost = lost;
             self.port.count_dropped(more, None, now, effects);
         }
+    }
+}
+
+impl TopicRoute {
+    /// Reports the messages that were sent before this process started, and waited for an earlier run of it.
+    fn report_discarded(&mut self, now: Time, effects: &mut dyn Effects) {
+        let discarded = self.subscription.counts().discarded;
+        let new = discarded.saturating_sub(self.discarded);
+        if new == 0 {
+            return;
+        }
+        self.discarded = discarded;
+        let reason =
+            "they waited for an earlier run of this process, which ended without reading them";
+        let reason = DatumError::new(DatumProblem::Mismatch(reason.to_owned()));
+        self.port.count_dropped(new, Some(&reason), now, effects);
     }
 }
 

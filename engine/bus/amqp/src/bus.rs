@@ -1,7 +1,8 @@
 //! The synchronous interface of the bus, which delegates to tasks on a separate thread.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -39,6 +40,10 @@ pub struct AmqpBus {
     /// Numbers publishers and subscriptions; the next one.
     number: AtomicU64,
     publishers: Mutex<Vec<Weak<PublisherShared>>>,
+    /// Queues of this process that have the same names in every run.
+    returning: Arc<Mutex<BTreeSet<String>>>,
+    /// Set when another process uses such a queue.
+    has_twin: Arc<AtomicBool>,
     services: Services,
     tasks: Handle,
     thread: Option<JoinHandle<()>>,
@@ -87,6 +92,8 @@ impl AmqpBus {
             lifetime_id: life,
             number: AtomicU64::new(1),
             publishers: Mutex::default(),
+            returning: Arc::default(),
+            has_twin: Arc::default(),
             services,
             tasks,
             thread: Some(thread),
@@ -122,9 +129,28 @@ impl AmqpBus {
         }
     }
 
+    /// Reserves the queue name of a subscription that is the same in every run of the process.
+    fn reserve_queue(
+        &self,
+        reader: &str,
+        pattern: &Pattern,
+        policy: QueuePolicy,
+    ) -> Option<String> {
+        if !self.link.settings.returns || policy == QueuePolicy::Latest {
+            return None;
+        }
+        let mut reserved = lock(&self.returning);
+        let mut names = (0..).map_while(|it| self.names.returning_queue(reader, pattern, it));
+        names.find(|name| reserved.insert(name.clone()))
+    }
+
     fn next_number(&self) -> u64 {
         self.number.fetch_add(1, Ordering::Relaxed)
     }
+}
+
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Creates a bus id from time, process and a counter, so that no other bus has it.
@@ -163,10 +189,7 @@ impl Bus for AmqpBus {
                 schema: schema.clone(),
             },
         };
-        let mut publishers = self
-            .publishers
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut publishers = lock(&self.publishers);
         publishers.retain(|lane| lane.strong_count() > 0);
         publishers.push(Arc::downgrade(&publisher));
         drop(publishers);
@@ -192,12 +215,17 @@ impl Bus for AmqpBus {
         let sender = SubscriptionSender::new(queue, notifier);
         let (leaving, leave) = oneshot::channel();
         let (ready, told) = FirstDeclaration::new();
+        let returning = self.reserve_queue(reader, pattern, queue);
+        let (reserved, name) = (Arc::clone(&self.returning), returning.clone());
         let task = subscriber::SubscriberTask {
             link: Arc::clone(&self.link),
             names: self.names.clone(),
             pattern: pattern.clone(),
             key,
             queue: self.names.queue(reader, pattern, self.next_number()),
+            returning,
+            own_queue: None,
+            has_twin: Arc::clone(&self.has_twin),
             policy: queue,
             sender: sender.clone(),
             stop: leave,
@@ -214,6 +242,9 @@ impl Bus for AmqpBus {
         Ok(sender.subscription(move || {
             // fails if the task has already ended
             let _ = leaving.send(());
+            if let Some(name) = name {
+                lock(&reserved).remove(&name);
+            }
         }))
     }
 
@@ -247,10 +278,7 @@ impl Bus for AmqpBus {
     }
 
     fn republish_retained(&self) {
-        let publishers = self
-            .publishers
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let publishers = lock(&self.publishers);
         for publisher in publishers.iter().filter_map(Weak::upgrade) {
             publisher.republish_retained(self.link.is_open());
         }
@@ -267,10 +295,7 @@ impl Bus for AmqpBus {
     fn drain(&self, at_most: Duration) -> bool {
         let until = Instant::now() + at_most;
         loop {
-            let publishers = self
-                .publishers
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner);
+            let publishers = lock(&self.publishers);
             let open = publishers
                 .iter()
                 .filter_map(Weak::upgrade)

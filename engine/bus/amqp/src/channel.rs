@@ -33,6 +33,8 @@ pub(crate) enum BrokerEvent {
 
 /// Reply code of a channel closed because another connection holds the queue exclusively.
 pub(crate) const LOCKED: u16 = 405;
+/// Reply code of a channel closed because a queue has a consumer, or other properties than declared.
+pub(crate) const PRECONDITION_FAILED: u16 = 406;
 /// Reply code of a channel closed because something does not exist.
 const NOT_FOUND: u16 = 404;
 

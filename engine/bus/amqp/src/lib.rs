@@ -22,6 +22,7 @@ mod binding_refresh;
 mod bus;
 mod channel;
 mod duplicate_filter;
+mod earlier_run;
 mod first_declaration;
 mod link;
 mod names;

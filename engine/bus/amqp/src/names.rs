@@ -59,6 +59,25 @@ impl RoutingNames {
     /// Returns the queue name of a subscription, as operators see it: process, robot, reader, pattern, and a suffix
     /// that makes it unique. The readable part is truncated to leave room for the suffix.
     pub(crate) fn queue(&self, reader: &str, pattern: &Pattern, number: u64) -> String {
+        let mut name = self.readable(reader, pattern);
+        let own = format!(".{}.{number}", self.lifetime_id);
+        while name.len() + own.len() > LONGEST && name.pop().is_some() {}
+        name + &own
+    }
+
+    /// Returns the queue name of a subscription that is the same in every run of the process; `None` if it is too long. `number`
+    /// distinguishes subscriptions of the same reader to the same pattern.
+    pub(crate) fn returning_queue(
+        &self,
+        reader: &str,
+        pattern: &Pattern,
+        number: u64,
+    ) -> Option<String> {
+        let name = format!("{}.{number}", self.readable(reader, pattern));
+        (name.len() <= LONGEST).then_some(name)
+    }
+
+    fn readable(&self, reader: &str, pattern: &Pattern) -> String {
         let mut name = self.process.clone();
         for word in self
             .robot
@@ -69,9 +88,7 @@ impl RoutingNames {
             name.push('.');
             name.push_str(word);
         }
-        let own = format!(".{}.{number}", self.lifetime_id);
-        while name.len() + own.len() > LONGEST && name.pop().is_some() {}
-        name + &own
+        name
     }
 }
 
@@ -136,6 +153,10 @@ mod tests {
         );
         let tool = RoutingNames::new(None, "tool".into(), "l".into());
         assert_eq!(tool.queue("echo", &pattern, 7), "tool.echo.map.l.7");
+        let returning = names.returning_queue("Planner", &pattern, 0);
+        assert_eq!(returning.as_deref(), Some("onboard.rover1.Planner.map.0"));
+        let long = Pattern::new("x".repeat(240));
+        assert_eq!(names.returning_queue("Planner", &long, 0), None);
     }
 
     #[test]

@@ -27,6 +27,10 @@ pub struct AmqpSettings {
     pub robot: Option<String>,
     /// Name of the process, shown to operators with its connections and queues.
     pub process: String,
+    /// Whether a process of this name comes back after a crash: its event queues have the same names in every run, and a run
+    /// discards, and counts, the messages that wait in those of an earlier one. Default: `false`; each bus then has queues of
+    /// its own, as tools need them.
+    pub returns: bool,
     /// Name of the topic exchange.
     pub exchange: String,
     /// Name of the clock that stamps the messages, for example `wall:rover1`.
@@ -217,6 +221,7 @@ impl AmqpSettings {
             credentials,
             robot: None,
             process: "asmotion".to_owned(),
+            returns: false,
             exchange: "robots".to_owned(),
             clock: "wall".to_owned(),
             seed: 0,

@@ -7,6 +7,7 @@
 
 use std::pin::pin;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use amqprs::channel::{
@@ -21,6 +22,7 @@ use tokio::time::{Instant, sleep, sleep_until};
 use crate::binding_refresh::BindingRefresh;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError, Consumption};
 use crate::duplicate_filter::DuplicateFilter;
+use crate::earlier_run::{self, Takeover};
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
 use crate::names::RoutingNames;
@@ -35,6 +37,8 @@ const TAKEN: usize = 64;
 const ACKNOWLEDGED_AFTER: Duration = Duration::from_millis(1);
 /// Number of unacknowledged events at which the acknowledgement is sent immediately.
 const OWED: u64 = 256;
+/// Longest wait for the end of another consumer of a queue that has the same name in every run of the process.
+const TWIN: Duration = Duration::from_millis(500);
 /// Pause before a queue is declared again.
 const REST: Duration = Duration::from_millis(100);
 
@@ -47,6 +51,12 @@ pub(crate) struct SubscriberTask {
     pub key: String,
     /// Name of the queue at the broker.
     pub queue: String,
+    /// Name of the queue in every run of the process, until it has been taken over from an earlier run.
+    pub returning: Option<String>,
+    /// Name of the queue if the one that has been taken over turns out to be used by another process.
+    pub own_queue: Option<String>,
+    /// Set when another process uses such a queue, so that the other subscriptions do not wait for it.
+    pub has_twin: Arc<AtomicBool>,
     pub policy: QueuePolicy,
     pub sender: SubscriptionSender,
     /// Resolved when the subscription is dropped.
@@ -143,6 +153,11 @@ impl SubscriberTask {
                 end = self.session(&pair, &mut arrivals) => end,
                 () = link.wait_until_replaced(&pair) => Err(ChannelError::Lost),
             };
+            if let (Err(ChannelError::Closed { .. }), Some(own)) = (&end, self.own_queue.take()) {
+                // refused to a second consumer; any other refusal comes again
+                self.queue = own;
+                continue;
+            }
             match end {
                 Ok(()) => return,
                 Err(broken) if self.ready.report(Err(broken.clone())) => return,
@@ -179,10 +194,12 @@ impl SubscriberTask {
                 reason: reason.to_owned(),
             });
         }
+        self.take_over(pair).await?;
         let begun = self.declare(&channel).await;
         let begun = begun.map_err(|_| channel::close_reason(&mut words))?;
         arrivals.begin_session(begun.backlog);
         let mut messages = begun.messages;
+        self.own_queue = None;
         self.ready.report(Ok(()));
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.wait_until_closing());
@@ -227,16 +244,39 @@ impl SubscriberTask {
         Ok(())
     }
 
-    async fn declare(&self, channel: &Channel) -> AmqpResult<Consumption> {
-        let mut queue = QueueDeclareArguments::new(&self.queue);
-        let (prefetch, length, overflow) = match self.policy {
+    /// Takes the queue of an earlier run over, and counts what is discarded. With a second process of the same name, each has a
+    /// queue of its own.
+    async fn take_over(&mut self, pair: &ConnectionPair) -> Result<(), ChannelError> {
+        let Some(name) = self.returning.clone() else {
+            return Ok(());
+        };
+        let patience = if self.has_twin.load(Ordering::Relaxed) {
+            Duration::ZERO
+        } else {
+            TWIN
+        };
+        let queue = self.queue_arguments(&name);
+        match earlier_run::take_over(&pair.consumers, (&name, &queue), patience).await? {
+            Takeover::Emptied(discarded) => {
+                self.sender.set_discarded(discarded.into());
+                self.own_queue = Some(std::mem::replace(&mut self.queue, name));
+            }
+            Takeover::InUse => self.has_twin.store(true, Ordering::Relaxed),
+        }
+        self.returning = None;
+        Ok(())
+    }
+
+    fn queue_arguments(&self, name: &str) -> QueueDeclareArguments {
+        let mut queue = QueueDeclareArguments::new(name);
+        let (length, overflow) = match self.policy {
             QueuePolicy::Latest => {
                 queue.exclusive(true).auto_delete(true);
-                (1, 1, Overflow::DropOldest)
+                (1, Overflow::DropOldest)
             }
             QueuePolicy::All { size, overflow } => {
                 queue.durable(true);
-                (PREFETCH, size.max(PREFETCH.into()), overflow)
+                (size.max(PREFETCH.into()), overflow)
             }
         };
         let remembered = self.link.settings.timing.reply_retention.as_millis();
@@ -251,6 +291,15 @@ impl SubscriberTask {
                 },
             );
         queue.arguments(arguments.into_table());
+        queue
+    }
+
+    async fn declare(&self, channel: &Channel) -> AmqpResult<Consumption> {
+        let queue = self.queue_arguments(&self.queue);
+        let prefetch = match self.policy {
+            QueuePolicy::Latest => 1,
+            QueuePolicy::All { .. } => PREFETCH,
+        };
         // exclusive: messages that an earlier consumer of ours still holds would be redelivered behind newer ones
         let mut consume = BasicConsumeArguments::new(&self.queue, "");
         consume.manual_ack(true).exclusive(true);

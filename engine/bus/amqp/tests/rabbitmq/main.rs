@@ -15,6 +15,7 @@ mod life;
 mod line;
 mod many;
 mod raw;
+mod returning;
 mod services;
 mod soak;
 mod stranger;
