@@ -14,6 +14,7 @@ mod app;
 mod assembly;
 mod ball_tracker;
 mod cli;
+mod commands;
 mod composites;
 mod describe;
 mod documents;
