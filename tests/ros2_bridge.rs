@@ -88,6 +88,73 @@ fn r2_an_emergency_stop_serves_a_robot_of_ros_2() {
     assert!(line.contains("`/panel`") && line.contains(LIMIT), "{line}");
 }
 
+/// The emergency stop with another bridge, in a folder of its own.
+fn estop_with(folder: &Path, bridge: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("tests/ros_bridge/estop.composite.toml")).unwrap();
+    let (before, rest) = text.split_once("[bridges.robot]").unwrap();
+    let (_, after) = rest.split_once("\n\n").unwrap();
+    let text = format!("{before}[bridges]\nrobot = {bridge}\n\n{after}");
+    let specs = root.join("specs").display().to_string();
+    let path = folder.join("estop.composite.toml");
+    std::fs::write(&path, text.replace("../../specs", &specs)).unwrap();
+    path
+}
+
+/// The robot of a composite is one of ROS 1, of ROS 2 in a domain, or behind rosbridge by one line; its specification, its map and
+/// all else stay. No build connects to rosbridge, and says so.
+#[test]
+fn r11_one_line_chooses_the_generation_of_ros() {
+    let (Some(master), Some(python)) = (Master::start(), python()) else {
+        return;
+    };
+    let (folder, domain) = (tempfile::tempdir().unwrap(), domain());
+    let ros1 = format!("{{ kind = \"ros1\", master = \"{}\" }}", master.uri());
+    let ros1 = estop_with(folder.path(), &ros1);
+    let mission = Mission::spawn(run(&ros1, domain));
+    mission.line("registered at the ROS master");
+    let mut robot = master.rospy("/driver");
+    robot.subscribe(LIMIT, INT);
+    assert_eq!(robot.message(LIMIT).0, json!({"data": 0}));
+    for (topic, kind) in [("/estop/reset", EMPTY), ("/estop/confirm", EMPTY)] {
+        robot.advertise(topic, kind, 1);
+    }
+    robot.publish("/estop/reset", EMPTY, json!({}));
+    mission.line("LATCHED → ARMED");
+    robot.publish("/estop/confirm", EMPTY, json!({}));
+    while robot.message(LIMIT).0 != json!({"data": 2}) {}
+    drop((mission, robot));
+
+    let ros2 = estop_with(
+        folder.path(),
+        &format!("{{ kind = \"ros2\", domain = {domain} }}"),
+    );
+    let mut command = run(&ros2, domain);
+    // the key decides, not the environment
+    command.env("ROS_DOMAIN_ID", "1");
+    let mission = Mission::spawn(command);
+    mission.line(&format!("joined the ROS 2 domain {domain}"));
+    let mut robot = CycloneNode::start(&python, domain, "driver");
+    robot.subscribe(LIMIT, INT, TopicPolicies::latched(1));
+    assert_eq!(robot.message(LIMIT), json!({"data": 0}));
+    for (topic, kind) in [("/estop/reset", EMPTY), ("/estop/confirm", EMPTY)] {
+        robot.advertise(topic, kind, TopicPolicies::default(), 1);
+    }
+    robot.publish("/estop/reset", &json!({}));
+    mission.line("LATCHED → ARMED");
+    robot.publish("/estop/confirm", &json!({}));
+    while robot.message(LIMIT) != json!({"data": 2}) {}
+    drop(mission);
+
+    let url = "{ kind = \"rosbridge\", url = \"ws://127.0.0.1:9090\" }";
+    let refused = run(&estop_with(folder.path(), url), domain)
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success(), "{text}");
+    assert!(text.contains("rosbridge"), "{text}");
+}
+
 #[test]
 fn r10_a_topic_mapped_both_ways_does_not_storm_in_ros_2() {
     let Some(python) = python() else { return };

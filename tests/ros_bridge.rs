@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_ros_master::{Master, SOON};
 use serde_json::json;
@@ -213,6 +213,32 @@ fn r9_messages_pass_with_stamps_frames_and_without_code() {
             assert_eq!(found, expected, "{to}");
         }
     }
+}
+
+/// A message goes from ROS through the proxy into the composite, and back: each of its two cycles is woken, and none waits for a
+/// period.
+#[test]
+fn n6_a_round_trip_through_the_proxy_takes_no_period() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let mut peer = master.rospy("/peer");
+    let mission = Mission::start(&master, "words");
+    mission.line("registered at the ROS master");
+    peer.subscribe("/out", TEXT);
+    peer.obey(json!(["connections", "/out", 1]));
+    peer.advertise("/in", TEXT, 1);
+    let mut times: Vec<Duration> = (0..51)
+        .map(|number| {
+            let word = json!({"data": format!("{number}")});
+            let begun = Instant::now();
+            peer.publish("/in", TEXT, word.clone());
+            assert_eq!(peer.message("/out").0, word);
+            begun.elapsed()
+        })
+        .collect();
+    times.sort_unstable();
+    assert!(times[25] < Duration::from_millis(250), "{times:?}");
 }
 
 #[test]

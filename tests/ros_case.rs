@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use asmotion_ros_master::{Master, Process};
+use asmotion_ros_master::{Master, Process, eventually};
 
 use crate::processes::through;
 
@@ -69,12 +69,29 @@ fn run(master: &Master) -> Command {
 }
 
 #[test]
-fn figure_1_with_a_lower_half_of_ros_reaches_the_goal_with_a_replan() {
+fn n6_figure_1_with_a_lower_half_of_ros_reaches_the_goal_with_a_replan() {
     let Some(master) = Master::start() else {
         return;
     };
     let lower = LowerHalf::start(&master);
-    let output = run(&master).output().unwrap();
+    let mut mission = run(&master);
+    let mission = mission.stderr(Stdio::piped()).spawn().unwrap();
+    // the tools of ROS see the proxy of the paper as a node with the topics of its map, in both directions
+    let node = "/navigation_RosProxy";
+    eventually("the proxy is a node", || {
+        let info = master.tool("rosnode", &["info", node]);
+        let (published, subscribed) = info.split_once("Subscriptions:")?;
+        let has = |part: &str, topics: &[&str]| topics.iter().all(|topic| part.contains(topic));
+        let is_complete = has(
+            published,
+            &["* /plan [nav_msgs/Path]", "* /permit [std_msgs/Bool]"],
+        ) && has(
+            subscribed,
+            &["* /odom [nav_msgs/Odometry]", "* /event [std_msgs/String]"],
+        );
+        is_complete.then_some(())
+    });
+    let output = mission.wait_with_output().unwrap();
     let story = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{story}");
     assert!(story.contains("ARRIVED"), "{story}");
