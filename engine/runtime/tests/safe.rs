@@ -315,7 +315,7 @@ const ORDERS: [[&str; 3]; 6] = [
     ["Far", "Near", "Driver"],
 ];
 
-fn last(left: &Left) -> Option<Twist> {
+fn last_of(left: &Left) -> Option<Twist> {
     left.lock().unwrap().last().copied()
 }
 
@@ -327,13 +327,13 @@ fn the_safe_sample_passes_through_bridges_added_in_any_order() {
             let mut run = system.simulate();
             run.run_until(Time::ZERO + 105.ms());
             run.stop();
-            let last = left.each_ref().map(last);
+            let last = left.each_ref().map(last_of);
             assert_eq!(last, [Some(STANDS); 2], "{order:?}, {near:?}");
             let (system, left) = carried(order, near, AwaitedWriters::All);
             let mut run = system.live();
             run.run_for(50.ms());
             drop(run);
-            let last = left.each_ref().map(last);
+            let last = left.each_ref().map(last_of);
             assert_eq!(last, [Some(STANDS); 2], "{order:?}, {near:?}");
         }
     }
@@ -350,7 +350,7 @@ fn bridges_that_are_removed_take_the_safe_sample_first() {
         };
         let changes = ["Near", "Driver", "Far"].map(remove);
         run.change(&changes).unwrap();
-        assert_eq!(last(&left[0]), Some(STANDS), "{order:?}");
+        assert_eq!(last_of(&left[0]), Some(STANDS), "{order:?}");
     }
 }
 
@@ -380,5 +380,5 @@ fn without_new_samples_a_bridge_has_no_further_cycle_and_others_never_have_one()
     let cycles = ["Near", "Far"].map(|name| run.cycles(name));
     run.stop();
     assert_eq!(["Near", "Far"].map(|name| run.cycles(name)), cycles);
-    assert_eq!(left.each_ref().map(last), [Some(DRIVES); 2]);
+    assert_eq!(left.each_ref().map(last_of), [Some(DRIVES); 2]);
 }
