@@ -133,8 +133,9 @@ impl ComponentBody {
 
     /// Whether samples or requests have been frozen that no cycle has read.
     pub(crate) fn has_new_inputs(&self) -> bool {
-        let has_samples = |input: &Box<dyn AnyInput>| !input.expiries().is_empty();
-        self.inputs.iter().any(has_samples) || self.services.iter().any(ProvidedService::is_asked)
+        let mut inputs = self.inputs.iter();
+        inputs.any(|input| !input.expiries().is_empty())
+            || self.services.iter().any(ProvidedService::is_asked)
     }
 
     /// Remembers the cause of a sample that the component refused, and reports it if it is new.
