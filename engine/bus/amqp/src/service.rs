@@ -7,6 +7,7 @@
 //! execute an id once.
 
 mod caller;
+mod ended;
 mod lateness;
 mod message;
 mod provider;

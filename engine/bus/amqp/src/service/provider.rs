@@ -1,6 +1,6 @@
 //! The provider's side: a task that reads the requests of one address and sends the replies.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::HashMap;
 use std::pin::pin;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -15,6 +15,7 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
+use super::ended::EndedRequests;
 use super::lateness::LatenessEstimate;
 use super::message::{self, OutgoingReply};
 use crate::binding_refresh::BindingRefresh;
@@ -26,13 +27,6 @@ use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged requests delivered to a provider.
 const PREFETCH: u16 = 256;
-/// Limit of remembered requests that have ended.
-const REMEMBERED: usize = 4096;
-/// Limit of bytes of remembered replies. Of a request whose reply is forgotten, the id is still known: it is not executed
-/// again.
-const REMEMBERED_BYTES: usize = 8 << 20;
-/// Limit of the time for which an ended request is remembered. A caller sends a request again at most until its timeout.
-const REMEMBERED_FOR: Duration = Duration::from_secs(600);
 /// Time before an enquiry about a held request counts: one that comes at once has waited in the same socket.
 const LEAST_HELD: Duration = Duration::from_millis(150);
 /// Time for which a request waits for an enquiry of its caller; callers enquire four times a second.
@@ -86,27 +80,15 @@ enum RequestState {
     },
     /// Ended, with the reply that was sent, if there was one.
     Ended(Option<OutgoingReply>),
-    /// Ended, with a reply that is no longer remembered.
+    /// Ended, with a reply that is no longer remembered. The request is not executed again.
     Forgotten,
-}
-
-/// An ended request.
-struct EndedRequest {
-    id: RequestId,
-    /// Size of the remembered reply.
-    size: usize,
-    /// Time at which the request is forgotten.
-    until: Instant,
 }
 
 /// Task that serves one address.
 pub(crate) struct ProviderTask {
     setup: ProviderSetup,
     requests: HashMap<RequestId, RequestState>,
-    /// Ended requests, oldest first.
-    ended: VecDeque<EndedRequest>,
-    /// Size of the remembered replies.
-    reply_bytes: usize,
+    ended: EndedRequests<RequestId>,
     /// Ids of requests that have a reply to be sent.
     ended_calls: UnboundedReceiver<RequestId>,
     lateness: LatenessEstimate,
@@ -119,8 +101,7 @@ impl ProviderTask {
         Self {
             setup,
             requests: HashMap::new(),
-            ended: VecDeque::new(),
-            reply_bytes: 0,
+            ended: EndedRequests::default(),
             lateness: LatenessEstimate::default(),
             ended_calls,
             end_sender,
@@ -269,7 +250,7 @@ impl ProviderTask {
                     None
                 }
                 (RequestState::Held { .. }, wire::CANCEL) => {
-                    self.requests.remove(&id);
+                    self.cancel_held(&id);
                     None
                 }
                 (RequestState::Held { .. }, _) => None,
@@ -333,6 +314,37 @@ impl ProviderTask {
         });
     }
 
+    /// Removes a held request that its caller has cancelled. A caller whose timeout is shorter than the interval of its enquiries
+    /// has thereby shown that it had waited until then, so its next request is not held.
+    fn cancel_held(&mut self, id: &RequestId) {
+        if let Some(RequestState::Held {
+            request,
+            properties,
+            since,
+        }) = self.requests.remove(id)
+            && since.elapsed() >= LEAST_HELD
+        {
+            self.record_waiting(&request, &properties, since.elapsed());
+        }
+    }
+
+    /// Records that the caller of a held request has waited for longer than its clock says.
+    fn record_waiting(
+        &mut self,
+        request: &Request,
+        properties: &BasicProperties,
+        held_for: Duration,
+    ) {
+        let timeout = request.timeout;
+        let news = self.lateness.record_waiting(properties, timeout, held_for);
+        if let Some(difference) = news {
+            let source = request.origin.source.to_string();
+            self.setup
+                .link
+                .report(BusNotice::ClockOffset { source, difference });
+        }
+    }
+
     /// Executes a request whose caller has shown that it still waits.
     fn start_held(&mut self, id: RequestId, reply_to: Option<&String>) {
         let Some(RequestState::Held {
@@ -343,13 +355,7 @@ impl ProviderTask {
         else {
             return;
         };
-        let news = self.lateness.record_waiting(&properties, request.timeout);
-        if let Some(difference) = news {
-            let source = request.origin.source.to_string();
-            self.setup
-                .link
-                .report(BusNotice::ClockOffset { source, difference });
-        }
+        self.record_waiting(&request, &properties, since.elapsed());
         request.timeout = request.timeout.saturating_sub(since.elapsed());
         self.start_request(id, request, false, reply_to);
     }
@@ -424,40 +430,22 @@ impl ProviderTask {
     /// then.
     fn store_reply(&mut self, id: RequestId, reply: Option<OutgoingReply>, deadline: Instant) {
         let size = reply.as_ref().map_or(0, |reply| reply.bytes.len());
-        self.reply_bytes += size;
         self.requests.insert(id.clone(), RequestState::Ended(reply));
-        let until = deadline.min(Instant::now() + REMEMBERED_FOR);
-        self.ended.push_back(EndedRequest { id, size, until });
-        if self.ended.len() > REMEMBERED
-            && let Some(oldest) = self.ended.pop_front()
-        {
-            self.requests.remove(&oldest.id);
-            self.reply_bytes -= oldest.size;
+        let excess = self.ended.add(id, size, deadline, Instant::now());
+        if let Some(oldest) = excess.request {
+            self.requests.remove(&oldest);
         }
-        for oldest in &mut self.ended {
-            if self.reply_bytes <= REMEMBERED_BYTES {
-                break;
-            }
-            if oldest.size > 0 {
-                self.reply_bytes -= std::mem::take(&mut oldest.size);
-                self.requests
-                    .insert(oldest.id.clone(), RequestState::Forgotten);
-            }
+        for id in excess.replies {
+            self.requests.insert(id, RequestState::Forgotten);
         }
     }
 
     /// Ends expired requests, and forgets those that ended and are past their deadline. Reading the result of an expired
     /// call times it out.
     fn evict(&mut self) {
-        let now = Instant::now();
-        self.ended.retain(|ended| {
-            let kept = now < ended.until;
-            if !kept {
-                self.requests.remove(&ended.id);
-                self.reply_bytes -= ended.size;
-            }
-            kept
-        });
+        for id in self.ended.take_expired(Instant::now()) {
+            self.requests.remove(&id);
+        }
         let mut late = Vec::new();
         self.requests.retain(|_, known| match known {
             RequestState::Running { pending, .. } => !pending.is_expired(),

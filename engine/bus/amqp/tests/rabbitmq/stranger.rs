@@ -107,7 +107,8 @@ fn serve(bus: &AmqpBus) -> ServedAddress {
         .unwrap()
 }
 
-/// A second user, who may do everything, sends one message in each stream with a number far ahead.
+/// A second user, who may do everything, sends messages in the stream of another one: with a number far ahead, and with the
+/// next ones.
 #[test]
 fn a_forged_number_mutes_no_stream() {
     let Some(broker) = asmotion_broker::calm() else {
@@ -137,17 +138,22 @@ fn a_forged_number_mutes_no_stream() {
     });
     let (stream, _) = id.rsplit_once('-').unwrap();
     let far = i64::MAX / 2;
-    for claimed in [Some(&user), None] {
+    for (claimed, number) in [Some(&user), None]
+        .into_iter()
+        .flat_map(|claimed| [far, 3, 4, 5].map(|number| (claimed, number)))
+    {
         let mut properties = BasicProperties::default();
         properties
             .with_content_type("application/json")
-            .with_message_id(&format!("{stream}-{far}"))
-            .with_headers(table([("sequence", far)]));
+            .with_message_id(&format!("{stream}-{number}"))
+            .with_headers(table([("sequence", number)]));
         if let Some(user) = claimed {
             properties.with_user_id(user);
         }
         dash.publish("robots", "permit", properties.finish());
     }
+    let forged = numbers(&tap, Duration::from_secs(2));
+    assert_eq!(forged, [&[2][..], &[7; 8]].concat());
     for n in 3..6 {
         permit.publish(0, number(n)).unwrap();
     }
@@ -234,6 +240,64 @@ fn a_caller_with_another_clock_is_served_and_reported() {
             |it| matches!(it, BusNotice::ClockOffset { difference, .. } if difference.as_secs() / 5 == 3),
         ) && has(|it| matches!(it, BusNotice::Late { .. }))
     });
+}
+
+/// Nobody enquires about a one-way request, so it is executed unless the clock of its sender is known and shows that it is late.
+#[test]
+fn a_one_way_request_of_a_caller_with_another_clock_is_executed() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let bus = connect(settings);
+    let serving = serve(&bus);
+    let mut caller = Stranger::new(&broker, vhost.name(), broker.user(), broker.password());
+    let is_executed = |within: Duration| serving.next_within(within).is_some();
+    for (id, late_s) in [("behind", 10), ("ahead", -10)] {
+        caller.request("telling", id, late_s);
+        assert!(is_executed(LONG), "{id}");
+    }
+    // its clock becomes known: it is 10 s behind
+    caller.request("request", "asks", 10);
+    assert!(!is_executed(Duration::from_millis(200)));
+    caller.request("enquiry", "asks", 10);
+    serving.next_within(LONG).unwrap().reply(Ok(number(1)));
+    assert_eq!(caller.reply().unwrap().0, "asks");
+    caller.request("telling", "again", 10);
+    assert!(is_executed(LONG));
+    caller.request("telling", "late", 20);
+    assert!(!is_executed(Duration::from_secs(1)));
+    eventually("it is reported", || {
+        let notices = notices.lock().unwrap();
+        notices
+            .iter()
+            .any(|it| matches!(it, BusNotice::Late { .. }))
+    });
+}
+
+/// A caller whose timeout is shorter than the interval of its enquiries withdraws its first request without one.
+#[test]
+fn a_caller_with_another_clock_and_a_short_timeout_is_served_from_its_second_request_on() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let bus = connect(settings);
+    let serving = serve(&bus);
+    let mut caller = Stranger::new(&broker, vhost.name(), broker.user(), broker.password());
+    caller.request("request", "first", 10);
+    assert!(serving.next_within(Duration::from_millis(200)).is_none());
+    caller.request("cancel", "first", 10);
+    eventually("its clock is reported", || {
+        let notices = notices.lock().unwrap();
+        let is_offset = |it: &BusNotice| matches!(it, BusNotice::ClockOffset { .. });
+        notices.iter().any(is_offset)
+    });
+    caller.request("request", "second", 10);
+    serving.next_within(LONG).unwrap().reply(Ok(number(1)));
+    assert_eq!(caller.reply().unwrap().0, "second");
 }
 
 /// Replies of 1 MB each: the provider remembers the last few, and does not execute an earlier request again.
