@@ -277,7 +277,11 @@ impl Story {
             return None;
         }
         self.summary.collisions += 1;
-        Some(warning_entry(BAD, "collision", event.detail.clone()))
+        Some(warning_entry(
+            BAD,
+            "collision",
+            message::one_line(&event.detail),
+        ))
     }
 
     fn call_entry(

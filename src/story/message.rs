@@ -8,6 +8,9 @@ use crate::brief::brief as number;
 /// Largest number of numbers that are shown; more of them are data.
 const FEW: usize = 8;
 
+/// Number of characters of a text that are shown.
+const LONGEST: usize = 200;
+
 /// Formats a message in a few words; `None` if it is empty or too long.
 pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
     let untyped = sample.downcast_ref::<Datum>();
@@ -34,7 +37,25 @@ pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
 /// The content of one field of a message.
 pub(super) fn field(sample: &dyn Sample, field: &str) -> Option<String> {
     let datum = sample.to_datum().ok()?;
-    Some(number(&*datum.get(field)?))
+    Some(one_line(&number(&*datum.get(field)?)))
+}
+
+/// A text of a message in one line: anybody who may publish can send control characters and texts of any length, which must
+/// neither look like other entries nor fill a log.
+pub(super) fn one_line(text: &str) -> String {
+    let mut line = String::new();
+    let mut characters = text.chars();
+    for character in characters.by_ref().take(LONGEST) {
+        if character.is_control() {
+            line.extend(character.escape_default());
+        } else {
+            line.push(character);
+        }
+    }
+    match characters.count() {
+        0 => line,
+        left => format!("{line}… ({left} more characters)"),
+    }
 }
 
 /// Returns whether a value is a time, which is the identity of another message.
@@ -74,7 +95,7 @@ fn describe_datum(datum: &Datum) -> Option<String> {
         Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
             (datum.count()? <= FEW).then(|| number(datum))
         }
-        Datum::Text(text) => Some(text.clone()),
+        Datum::Text(text) => Some(one_line(text)),
         Datum::Null => Some(String::new()),
         Datum::Bool(_) | Datum::Int(_) | Datum::Float(_) => Some(number(datum)),
     }
@@ -95,4 +116,26 @@ fn describe_position(datum: &Datum) -> Option<String> {
     } else {
         format!("({x:.2}, {y:.2}, {z:.2})")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_cannot_look_like_another_entry() {
+        let forged = Datum::record([("code", Datum::text("A\n  0.10 s  e-stop\u{1b}[2J"))]);
+        let shown = "A\\n  0.10 s  e-stop\\u{1b}[2J";
+        assert_eq!(brief(&forged).as_deref(), Some(shown));
+        assert_eq!(field(&forged, "code").as_deref(), Some(shown));
+        assert_eq!(one_line("größer 5 °C"), "größer 5 °C");
+    }
+
+    #[test]
+    fn a_long_text_is_cut_off() {
+        let long = "é".repeat(LONGEST + 100_000);
+        let shown = format!("{}… (100000 more characters)", "é".repeat(LONGEST));
+        assert_eq!(brief(&Datum::text(&long)).as_deref(), Some(&*shown));
+        assert_eq!(one_line(&"é".repeat(LONGEST)), "é".repeat(LONGEST));
+    }
 }

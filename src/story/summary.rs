@@ -36,13 +36,23 @@ pub struct Summary {
     pub end_time: Option<Time>,
 }
 
-/// Counts of events by name, in order of first occurrence.
+/// Largest number of names that are counted apart: names come from outside.
+const MOST_NAMES: usize = 256;
+/// Name under which the others are counted.
+const OTHERS: &str = "others";
+
+/// Counts of events by name, in order of first occurrence; beyond 256 names, the others count as one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EventCounts(pub Vec<(String, u64)>);
 
 impl EventCounts {
     /// Adds one to the count of a name.
     pub(super) fn count(&mut self, name: &str) {
+        let known = self.0.iter().position(|(known, _)| known == name);
+        let name = match known {
+            None if self.0.len() >= MOST_NAMES => OTHERS,
+            Some(_) | None => name,
+        };
         match self.0.iter_mut().find(|(known, _)| known == name) {
             Some((_, count)) => *count += 1,
             None => self.0.push((name.to_owned(), 1)),
