@@ -265,6 +265,19 @@ fn the_mission_goes_on_when_an_operator_has_closed_the_connections() {
     });
 }
 
+#[test]
+fn the_mission_goes_on_when_an_operator_has_deleted_the_exchanges() {
+    let Some(broker) = asmotion_broker::alone() else {
+        return;
+    };
+    for exchange in ["robots", "robots.services"] {
+        let vhost = broker.vhost().unwrap();
+        through(&broker, &vhost, |_| {
+            vhost.delete_exchange(exchange).unwrap()
+        });
+    }
+}
+
 /// Sends a signal to a child process.
 fn signal(process: &Child, signal: &str) {
     let mut kill = Command::new("kill");

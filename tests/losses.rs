@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::faults::Heard;
-use crate::processes::{run_any, through};
+use crate::faults::{Heard, enters};
+use crate::processes::{queues, run_any, through, tool};
 
 /// Number of messages sent.
 const SENT: u64 = 1000;
@@ -125,6 +125,43 @@ fn every_loss_reaches_the_specification_the_summary_and_the_json() {
         let line = format!("lost       {missed} messages to Sink.tick");
         assert_eq!(text.contains(&line), loses, "{text}");
     }
+}
+
+#[test]
+fn a_loss_is_shown_per_input_by_component_info_and_counted_once() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = run_any(&counting(folder.path(), 100));
+    // runs on after the last message
+    command.args(["--until", "seen=1000000"]);
+    let mut command = through(command, &broker, &vhost, None);
+    command.stderr(Stdio::null());
+    let (mut heard, mut lines) = (Heard::start(&mut command), Vec::new());
+    queues(&vhost, "robots.services.counting.control.");
+    let last = heard.until(&mut lines, enters("ARRIVED"));
+    assert!(last.is_some());
+    let missed = value(&lines, "missed");
+    assert_eq!(value(&lines, "seen") + missed, SENT);
+    assert!(missed > 0);
+    let shown = format!("tick: builtin_interfaces/Time, {missed} messages lost");
+    let until = Instant::now() + Duration::from_secs(20);
+    loop {
+        let (_, info, said) = tool(&broker, &vhost.url(), &["component", "info", "Sink"]);
+        if info.contains(&shown) {
+            break;
+        }
+        assert!(Instant::now() < until, "{shown}: {info}{said}");
+    }
+    heard.signal("-INT");
+    let summary = heard.until(&mut lines, |line| line["type"] == "summary");
+    let input = &summary.unwrap()["lost"][0];
+    assert_eq!(
+        (&input["input"], &input["count"]),
+        (&"Sink.tick".into(), &missed.into())
+    );
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Timeout for a loaded machine.
 const LONG: Duration = Duration::from_secs(30);
@@ -51,8 +51,9 @@ fn up(folder: &Path, arguments: &[&str]) -> Command {
 /// The next line that contains these words.
 #[track_caller]
 fn said(lines: &Receiver<String>, words: &str) -> String {
-    let mut before = Vec::new();
-    while let Ok(line) = lines.recv_timeout(LONG) {
+    let (mut before, until) = (Vec::new(), Instant::now() + LONG);
+    // processes talk all the time
+    while let Ok(line) = lines.recv_timeout(until.saturating_duration_since(Instant::now())) {
         if line.contains(words) {
             return line;
         }
@@ -127,6 +128,86 @@ fn it_ends_its_processes_when_it_is_told_to_end() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("far, 0 restarts"), "{said}");
+}
+
+/// `asmotion up` of a test that may fail: told to end, so that it ends its processes.
+struct Supervised(Child);
+
+impl Drop for Supervised {
+    fn drop(&mut self) {
+        if let Ok(None) = self.0.try_wait() {
+            signal("-TERM", &self.0.id().to_string());
+            let _ = self.0.wait();
+        }
+    }
+}
+
+/// A process of a worker, and of a map server that fails in its first cycle, since its map cannot be read.
+fn failing(folder: &Path, lifecycle: &str) {
+    let server = format!(
+        r#"[components.Maps]
+implementation = {{ rust = "nav::MapServer" }}
+activity = {{ period_ms = 20 }}
+services = {{ maps = "nav/MapService" }}
+properties = {{ source = ".", place = "hall" }}
+lifecycle = {{ {lifecycle} }}
+[deploy]"#
+    );
+    std::fs::write(folder.join("hall.geojson"), "{").unwrap();
+    let text = COMPOSITE.replace("[deploy]", &server);
+    let text = text.replace("[\"Worker\"]", "[\"Worker\", \"Maps\"]");
+    std::fs::write(folder.join("workers.composite.toml"), text).unwrap();
+}
+
+#[test]
+fn a_component_that_fails_is_isolated_or_reset_or_ends_its_process_as_the_composite_says() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    for (lifecycle, faults, ends) in [
+        ("on_exception = \"stop\"", 1, false),
+        ("on_exception = \"reset\", max_resets = 3", 4, false),
+        ("on_exception = \"escalate\"", 1, true),
+    ] {
+        let vhost = broker.vhost().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = up(folder.path(), &["--host", "desk", "--bus", &vhost.url()]);
+        failing(folder.path(), lifecycle);
+        let mut running = Supervised(command.spawn().unwrap());
+        let stderr = BufReader::new(running.0.stderr.take().unwrap());
+        let (send, lines) = channel();
+        let reader = std::thread::spawn(move || {
+            for line in stderr.lines().map_while(Result::ok) {
+                let _ = send.send(line);
+            }
+        });
+        for _ in 0..faults {
+            said(&lines, "fault of Maps");
+        }
+        if ends {
+            said(&lines, "restart 1");
+        } else {
+            let state = |component: &str| {
+                let arguments = ["component", "info", component];
+                crate::processes::tool(&broker, &vhost.url(), &arguments).1
+            };
+            crate::processes::queues(&vhost, "robots.services.workers.control.near");
+            assert!(state("Maps").starts_with("Maps: Exception"), "{lifecycle}");
+            assert!(
+                state("Worker").starts_with("Worker: Running"),
+                "{lifecycle}"
+            );
+        }
+        signal("-TERM", &running.0.id().to_string());
+        let code = running.0.wait().unwrap().code();
+        reader.join().unwrap();
+        let later: Vec<String> = lines.try_iter().collect();
+        if !ends {
+            assert_eq!(code, Some(0), "{later:?}");
+            let again = |line: &String| line.contains("estart 1") || line.contains("fault of");
+            assert!(!later.iter().any(again), "{later:?}");
+        }
+    }
 }
 
 #[test]

@@ -208,6 +208,7 @@ fn the_wheels_stand_still_at_the_end_of_every_run() {
     assert_eq!(last_wheels(&table), [0.0, 0.0]);
 
     for signal in ["INT", "TERM", "HUP"] {
+        std::fs::remove_file(&table).unwrap();
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asmotion"));
         command
             .current_dir(env!("CARGO_MANIFEST_DIR"))
@@ -221,7 +222,11 @@ fn the_wheels_stand_still_at_the_end_of_every_run() {
         let kill = std::process::Command::new("kill");
         let killed = { kill }.args(["-s", signal, &id]).status().unwrap();
         assert!(killed.success());
-        child.wait().unwrap();
+        assert_eq!(
+            child.wait().unwrap().code(),
+            Some(1),
+            "SIG{signal} stops it"
+        );
         let text = std::fs::read_to_string(&table).unwrap();
         assert!(text.lines().count() > 50, "SIG{signal}: {text}");
         assert_eq!(last_wheels(&table), [0.0, 0.0], "after SIG{signal}");
