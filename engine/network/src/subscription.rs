@@ -226,3 +226,22 @@ fn queue_policy(kind: BufferKind) -> QueuePolicy {
     let size = size.max(WAITING);
     QueuePolicy::All { size, overflow }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_written_queue_is_that_of_the_bus_too() {
+        let all = |size, overflow| QueuePolicy::All { size, overflow };
+        for (kind, expected) in [
+            (BufferKind::Data, QueuePolicy::Latest),
+            (BufferKind::Buffer(5000), all(5000, Overflow::DropNewest)),
+            (BufferKind::Circular(5000), all(5000, Overflow::DropOldest)),
+            // at least: the queue of the connection drops what is too much
+            (BufferKind::Buffer(4), all(WAITING, Overflow::DropNewest)),
+        ] {
+            assert_eq!(queue_policy(kind), expected);
+        }
+    }
+}
