@@ -272,9 +272,12 @@ fn the_mission_goes_on_when_an_operator_has_deleted_the_exchanges() {
     };
     for exchange in ["robots", "robots.services"] {
         let vhost = broker.vhost().unwrap();
-        through(&broker, &vhost, |_| {
+        let record = through(&broker, &vhost, |_| {
             vhost.delete_exchange(exchange).unwrap()
         });
+        let (from, to) = record.silence();
+        // sooner than a silent broker is given up
+        assert!(to - from < 4.5, "{exchange}: {} s without it", to - from);
     }
 }
 
