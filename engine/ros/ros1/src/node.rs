@@ -29,7 +29,7 @@ use crate::server::{serve_api, serve_data};
 use crate::settings::RosSettings;
 use crate::slave::Slave;
 use crate::subscription::{RosSubscriptionCounts, TopicSubscription};
-use crate::tables::Tables;
+use crate::tables::{Tables, entry};
 use crate::xmlrpc::XmlRpcValue;
 
 /// Threads of a node.
@@ -348,7 +348,8 @@ impl RosNode {
         Ok(self.ask_master("getParam", parameters, unset, timeout, notifier))
     }
 
-    /// Sets a parameter. The call is refused if the parameter server cannot hold the datum.
+    /// Sets a parameter. The call is refused if the parameter server cannot hold the datum. Observers of this node that follow the
+    /// parameter do not receive the value.
     ///
     /// # Errors
     /// [`RosError::Name`].
@@ -359,11 +360,15 @@ impl RosNode {
         timeout: Duration,
         notifier: Arc<Notifier>,
     ) -> Result<PendingCall, RosError> {
-        let name = XmlRpcValue::text(self.context.name.resolve(name)?.as_str());
+        let name = self.context.name.resolve(name)?;
         Ok(match XmlRpcValue::of_datum(value) {
             Ok(value) => {
+                if let Some(followed) = entry(&self.tables.parameters, name.as_str()) {
+                    followed.note(value.clone());
+                }
                 let failed = |reason| (FAILED, reason);
-                self.ask_master("setParam", vec![name, value], failed, timeout, notifier)
+                let parameters = vec![XmlRpcValue::text(name.as_str()), value];
+                self.ask_master("setParam", parameters, failed, timeout, notifier)
             }
             Err(error) => {
                 let (pending, call) = self.pending(timeout, notifier);
@@ -374,6 +379,16 @@ impl RosNode {
                 pending
             }
         })
+    }
+
+    /// Has a parameter deleted when the node ends, for one that nobody else needs. Does nothing if the master is down then.
+    ///
+    /// # Errors
+    /// [`RosError::Name`].
+    pub fn delete_parameter_at_end(&self, name: &str) -> Result<(), RosError> {
+        let name = self.context.name.resolve(name)?;
+        lock(&self.tables.temporary).insert(name);
+        Ok(())
     }
 
     /// Follows a parameter and the parameters in it: the queue receives its value once the master has told it, and again after

@@ -76,6 +76,11 @@ impl FollowedParameter {
         true
     }
 
+    /// Notes a value that this node has set, of which the master does not tell it. Observers know it from who has set it.
+    pub(crate) fn note(&self, value: XmlRpcValue) {
+        lock(&self.state).value = value;
+    }
+
     /// The value; an absent one if the parameter is not set.
     fn envelope(&self, state: &ParameterState) -> Envelope {
         let datum = if state.value == unset() {

@@ -7,7 +7,7 @@ use asmotion_bus::LinkState;
 use tokio::runtime::Handle;
 use tokio::time::{sleep, timeout};
 
-use crate::context::{Context, MasterAnswer};
+use crate::context::{Context, MasterAnswer, lock};
 use crate::notice::RosNotice;
 use crate::settings::Retry;
 use crate::tables::{Registration, Tables, entry};
@@ -189,8 +189,17 @@ impl Registrar {
         XmlRpcValue::Text(format!("rosrpc{address}"))
     }
 
-    /// Withdraws all registrations.
+    /// Deletes the parameters of the node, and withdraws all registrations.
     async fn leave(&self) {
+        let temporary = std::mem::take(&mut *lock(&self.tables.temporary));
+        for name in temporary {
+            let name = XmlRpcValue::text(name.as_str());
+            let answer = self.context.master("deleteParam", &[name]).await;
+            // one that is not set any more is refused
+            if let Err(MasterAnswer::None(_)) = answer {
+                return;
+            }
+        }
         for registration in &self.known {
             if self.unregister(registration).await.is_err() {
                 return;

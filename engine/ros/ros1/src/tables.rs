@@ -1,6 +1,6 @@
 //! What the node takes part in, by name: topics, services and parameters.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex};
 
 use crate::context::lock;
@@ -19,6 +19,8 @@ pub(crate) struct Tables {
     pub(crate) subscriptions: Table<TopicSubscription>,
     pub(crate) services: Table<ProvidedService>,
     pub(crate) parameters: Table<FollowedParameter>,
+    /// Parameters that the node deletes when it ends.
+    pub(crate) temporary: Mutex<BTreeSet<RosName>>,
 }
 
 /// Something the master is told of.

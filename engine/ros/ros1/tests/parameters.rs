@@ -87,3 +87,26 @@ fn a_followed_parameter_has_each_change_and_those_of_its_parts() {
     assert_eq!(next(&followed), Datum::Null);
     assert!(followed.next_within(Duration::from_millis(200)).is_none());
 }
+
+#[test]
+fn a_node_deletes_the_parameters_that_are_its_own() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let node = master.node("/robot/driver").node;
+    let value = Datum::Float(0.5);
+    for name in ["~speed", "/limit"] {
+        done(node.set_parameter(name, &value, SOON, notifier())).unwrap();
+    }
+    node.delete_parameter_at_end("~speed").unwrap();
+    node.delete_parameter_at_end("~never_set").unwrap();
+    drop(node);
+    let mut peer = master.peer("parameters", &["peer"]);
+    assert_eq!(peer.line(), "ready");
+    peer.tell("list");
+    let listed = peer.line();
+    assert!(
+        listed.contains("/limit") && !listed.contains("speed"),
+        "{listed}"
+    );
+}

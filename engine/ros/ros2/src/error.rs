@@ -16,6 +16,9 @@ pub enum NodeError {
     /// The domain id has no ports.
     #[error("{0} is not a domain id: choose a number from 0 to 232")]
     Domain(u16),
+    /// A node of the participant has the name.
+    #[error("the participant has a node `{0}` already")]
+    Twice(String),
     /// DDS refuses the participant, for example because no port is free.
     #[error("no participant of DDS in domain {domain}: {reason}")]
     Participant {

@@ -22,7 +22,12 @@ use crate::subscription::{Counters, Decoder, Shared, Subscription, SubscriptionO
 /// A node of ROS 2. Endpoints stay usable until they are dropped, but receive nothing after the node is dropped.
 pub struct Node {
     inner: Arc<Inner>,
-    thread: Option<JoinHandle<()>>,
+    /// `None` for a node beside another, to which the thread belongs.
+    root: Option<Root>,
+}
+
+struct Root {
+    thread: JoinHandle<()>,
     _graph_reader: Registration,
 }
 
@@ -36,9 +41,21 @@ impl Node {
         let graph_reader = inner.join_graph()?;
         Ok(Self {
             inner,
-            thread: Some(thread),
-            _graph_reader: graph_reader,
+            root: Some(Root {
+                thread,
+                _graph_reader: graph_reader,
+            }),
         })
+    }
+
+    /// Starts another node in the same participant: it shares the thread, the notices and the options of this node, and receives
+    /// nothing after this one is dropped. Peers see two nodes.
+    ///
+    /// # Errors
+    /// The name is not valid, or a node of the participant has it.
+    pub fn beside(&self, namespace: &str, name: &str) -> Result<Self, NodeError> {
+        let inner = self.inner.beside(namespace, name)?;
+        Ok(Self { inner, root: None })
     }
 
     pub(crate) fn inner(&self) -> &Arc<Inner> {
@@ -148,11 +165,12 @@ impl Node {
 
 impl Drop for Node {
     fn drop(&mut self) {
+        let Some(root) = self.root.take() else {
+            return self.inner.leave_participant();
+        };
         self.inner.leave_graph();
         self.inner.reactor.stop();
-        if let Some(thread) = self.thread.take() {
-            // the thread does not panic on input; if it did, the message is already out
-            let _ = thread.join();
-        }
+        // the thread does not panic on input; if it did, the message is already out
+        let _ = root.thread.join();
     }
 }

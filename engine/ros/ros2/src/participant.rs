@@ -1,9 +1,9 @@
 //! The participant of a node: it creates readers and writers of DDS and publishes them in the graph.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use asmotion_datum::{Codec, Schema};
@@ -51,7 +51,7 @@ impl NodeOptions {
 /// Largest domain id whose ports exist.
 const LAST_DOMAIN: u16 = 232;
 
-/// What a node and its endpoints share.
+/// What a node and its endpoints share. All but the options is that of the participant, which several nodes can share.
 pub(crate) struct Inner {
     options: NodeOptions,
     catalogue: Arc<Catalogue>,
@@ -60,17 +60,29 @@ pub(crate) struct Inner {
     subscriber: rustdds::Subscriber,
     pub(crate) reactor: Arc<Reactor>,
     pub(crate) graph: Arc<SharedGraph>,
-    /// The endpoints of this node, as they are published in the graph.
-    own: Mutex<Own>,
-    entities: Entities,
-    goals: AtomicU32,
+    /// The nodes of the participant with their endpoints, as they are published in the graph.
+    own: Arc<Mutex<OwnNodes>>,
+    entities: Arc<Entities>,
+    goals: Arc<AtomicU32>,
 }
 
 #[derive(Default)]
-struct Own {
+struct OwnNodes {
+    /// By namespace and name.
+    nodes: BTreeMap<(String, String), OwnEndpoints>,
+    outbox: Option<Arc<Outbox>>,
+}
+
+#[derive(Default)]
+struct OwnEndpoints {
     readers: BTreeSet<Gid>,
     writers: BTreeSet<Gid>,
-    outbox: Option<Arc<Outbox>>,
+}
+
+impl OwnNodes {
+    fn of(&mut self, key: (String, String)) -> &mut OwnEndpoints {
+        self.nodes.entry(key).or_default()
+    }
 }
 
 fn refused(topic: &str, reason: impl ToString) -> EndpointError {
@@ -117,11 +129,54 @@ impl Inner {
             subscriber,
             reactor,
             graph,
-            own: Mutex::default(),
-            entities: Entities::new()?,
-            goals: AtomicU32::new(0),
+            own: Arc::default(),
+            entities: Arc::new(Entities::new()?),
+            goals: Arc::default(),
         });
+        inner.own().nodes.insert(inner.key(), Default::default());
         Ok((inner, thread))
+    }
+
+    /// A further node of the participant, which peers see beside the first.
+    pub(crate) fn beside(&self, namespace: &str, name: &str) -> Result<Arc<Self>, NodeError> {
+        names::node(name)?;
+        let inner = Arc::new(Self {
+            options: NodeOptions {
+                name: name.to_owned(),
+                namespace: names::namespace(namespace)?,
+                ..self.options.clone()
+            },
+            catalogue: Arc::clone(&self.catalogue),
+            participant: self.participant.clone(),
+            publisher: self.publisher.clone(),
+            subscriber: self.subscriber.clone(),
+            reactor: Arc::clone(&self.reactor),
+            graph: Arc::clone(&self.graph),
+            own: Arc::clone(&self.own),
+            entities: Arc::clone(&self.entities),
+            goals: Arc::clone(&self.goals),
+        });
+        let mut own = self.own();
+        if own.nodes.contains_key(&inner.key()) {
+            return Err(NodeError::Twice(inner.full_name()));
+        }
+        own.nodes.insert(inner.key(), Default::default());
+        drop(own);
+        inner.publish_entities();
+        Ok(inner)
+    }
+
+    /// Removes this node from the graph, and leaves the others of the participant.
+    pub(crate) fn leave_participant(&self) {
+        self.own().nodes.remove(&self.key());
+        self.publish_entities();
+    }
+
+    fn key(&self) -> (String, String) {
+        let NodeOptions {
+            name, namespace, ..
+        } = &self.options;
+        (namespace.clone(), name.clone())
     }
 
     pub(crate) fn catalogue(&self) -> &Catalogue {
@@ -196,7 +251,7 @@ impl Inner {
         let outbox = Arc::new(Outbox::new(gid, topic, writer, qos.queue()));
         let chore: Arc<dyn Chore> = outbox.clone();
         self.reactor.add_chore(Arc::downgrade(&chore));
-        self.own().writers.insert(gid);
+        self.own().of(self.key()).writers.insert(gid);
         self.publish_entities();
         Ok(outbox)
     }
@@ -220,7 +275,7 @@ impl Inner {
         self.graph.add_local(gid, topic, kind, hash);
         let registration = self.reactor.read(reader, sink(gid));
         let registration = registration.map_err(|error| refused(topic, error))?;
-        self.own().readers.insert(gid);
+        self.own().of(self.key()).readers.insert(gid);
         self.publish_entities();
         Ok((gid, registration))
     }
@@ -242,31 +297,34 @@ impl Inner {
     pub(crate) fn forget(&self, gid: Gid) {
         self.graph.remove_local(gid);
         let mut own = self.own();
-        let known = own.readers.remove(&gid) | own.writers.remove(&gid);
+        let mut nodes = own.nodes.values_mut();
+        let known = nodes.any(|it| it.readers.remove(&gid) | it.writers.remove(&gid));
         drop(own);
         if known {
             self.publish_entities();
         }
     }
 
-    fn own(&self) -> std::sync::MutexGuard<'_, Own> {
+    fn own(&self) -> MutexGuard<'_, OwnNodes> {
         self.own.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Publishes the node and its endpoints.
+    /// Publishes the nodes of the participant and their endpoints.
     fn publish_entities(&self) {
         let own = self.own();
         let Some(outbox) = own.outbox.clone() else {
             return;
         };
-        let node = RemoteNode {
-            name: self.options.name.clone(),
-            namespace: self.options.namespace.clone(),
-            readers: own.readers.iter().copied().collect(),
-            writers: own.writers.iter().copied().collect(),
-        };
-        drop(own);
-        self.send_entities(&outbox, &[node]);
+        let nodes = own.nodes.iter();
+        let nodes = nodes.map(|((namespace, name), of)| RemoteNode {
+            name: name.clone(),
+            namespace: namespace.clone(),
+            readers: of.readers.iter().copied().collect(),
+            writers: of.writers.iter().copied().collect(),
+        });
+        let nodes: Vec<_> = nodes.collect();
+        // before the lock is released: the newest message has the newest state
+        self.send_entities(&outbox, &nodes);
     }
 
     fn send_entities(&self, outbox: &Outbox, nodes: &[RemoteNode]) {
@@ -285,8 +343,9 @@ impl Inner {
         let outbox = self.writer(topic, kind, qos, None)?;
         let mut own = self.own();
         // rmw does not list the endpoints of the graph itself
-        own.readers.remove(&reader);
-        own.writers.remove(&outbox.gid);
+        let endpoints = own.of(self.key());
+        endpoints.readers.remove(&reader);
+        endpoints.writers.remove(&outbox.gid);
         own.outbox = Some(outbox);
         drop(own);
         self.publish_entities();
