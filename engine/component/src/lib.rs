@@ -57,8 +57,8 @@ pub use interface::{Interface, InterfaceParts};
 pub use life_cycle::{LifeCycleError, State, Transition};
 pub use losses::Losses;
 pub use operation::{
-    CallError, CallId, Dynamic, Handler, Operation, OperationSlot, Reply, Request, RequestId,
-    SendStatus, ServiceFault, unreadable,
+    CallError, CallId, Dynamic, Handler, NO_SERVER, Operation, OperationSlot, Reply, Request,
+    RequestId, SendStatus, ServiceFault, unreadable,
 };
 pub use property::{AnyProperty, PropertyError, PropertyProblem, PropertyValue};
 pub use setting::Setting;

@@ -100,10 +100,17 @@ pub enum CallError {
     Cancelled,
 }
 
+/// Code of a fault by which a bridge to another system says that no server there has taken the request.
+pub const NO_SERVER: &str = "NO_SERVER";
+
 impl CallError {
-    /// Returns whether no provider has taken the request, so that a later attempt may succeed.
+    /// Returns whether no provider has taken the request, so that a later attempt, or another provider, may succeed.
     pub fn is_without_provider(&self) -> bool {
-        matches!(self, Self::Unavailable | Self::Stopped)
+        match self {
+            Self::Unavailable | Self::Stopped => true,
+            Self::Fault(fault) => fault.code == NO_SERVER,
+            Self::Timeout | Self::Cancelled => false,
+        }
     }
 }
 

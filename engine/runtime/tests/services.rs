@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use crate::common::{Double, Number, Spell, Words, behaviour, doubler, number};
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Fault, Interface, Operation, Out, Provided, Reply,
-    RequestId, ServiceFault, Span, State, Time, Transition, Wire,
+    Activity, CallError, Component, Cycle, Fault, Interface, NO_SERVER, Operation, Out, Provided,
+    Reply, RequestId, ServiceFault, Span, State, Time, Transition, Wire,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Log, Run, System};
@@ -773,6 +773,47 @@ fn c4_a_call_goes_to_the_first_alternative_that_is_available() {
         assert_eq!(results, [expected], "{stopped:?}");
         assert_eq!(log.lines_with("attempt").len(), attempts, "{stopped:?}");
     }
+}
+
+/// A bridge to another system, where no server is.
+fn bridge_without_server(
+    code: &'static str,
+) -> Box<dyn FnOnce(&mut Interface) -> Box<dyn Component>> {
+    Box::new(behaviour(move |interface| {
+        let double = interface.serve::<Double>("sums", "of another system");
+        move |cycle| {
+            for request in cycle.requests(double) {
+                cycle.reply(double, request.id, Err(ServiceFault::new(code, "nobody")));
+            }
+            Ok(())
+        }
+    }))
+}
+
+#[test]
+fn c4_a_bridge_without_a_server_lets_the_next_alternative_be_tried() {
+    for (code, expected) in [
+        (NO_SERVER, Ok(42)),
+        (
+            "REFUSED",
+            Err(CallError::Fault(ServiceFault::new("REFUSED", "nobody"))),
+        ),
+    ] {
+        let replies = Replies::default();
+        let wire = || Wire::timeout(100.ms());
+        let here: Box<dyn FnOnce(&mut Interface) -> Box<dyn Component>> = Box::new(doubler());
+        let providers = vec![(bridge_without_server(code), wire()), (here, wire())];
+        let (system, _) = with_alternatives(&replies, providers);
+        system.simulate().run_for(1.s());
+        assert_eq!(*replies.lock().unwrap(), [(at(0), expected)], "{code}");
+    }
+    // without another one, the fault is the end
+    let replies = Replies::default();
+    let providers = vec![(bridge_without_server(NO_SERVER), Wire::timeout(100.ms()))];
+    let (system, _) = with_alternatives(&replies, providers);
+    system.simulate().run_for(1.s());
+    let fault = CallError::Fault(ServiceFault::new(NO_SERVER, "nobody"));
+    assert_eq!(*replies.lock().unwrap(), [(at(0), Err(fault))]);
 }
 
 #[test]
