@@ -1,14 +1,16 @@
 //! `asmotion doctor`: diagnoses a broker.
 
+use crate::brief::brief;
 use crate::broker::{BrokerArguments, BrokerSettings};
 use crate::build::Build;
 use crate::exit::Exit;
-use crate::terminal::{BAD, GOOD, TerminalOutput};
+use crate::terminal::{BAD, GOOD, NOTE, TerminalOutput};
 use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_bus::{
     Bus, BusError, CallFailure, LinkState, Notifier, Payload, PublishOptions, Request, SenderId,
 };
 use asmotion_datum::{Datum, Message};
+use asmotion_remote::{PresentComponent, Remote, RobotPresence};
 use clap::Args;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::num::NonZeroUsize;
@@ -80,7 +82,7 @@ fn check_all(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(
     let mut well = |what: String| terminal.result(format_args!("{GOOD}ok{GOOD:#}   {what}"));
     check_connection(settings)?;
     well(format!("{}:{} is reachable", settings.host, settings.port));
-    let bus = log_in(settings)?;
+    let bus = Arc::new(log_in(settings)?);
     well(format!(
         "user `{}` has access to the virtual host `{}`",
         settings.credentials.user(),
@@ -98,6 +100,9 @@ fn check_all(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(
         count => well(format!(
             "the clocks of {count} processes agree with that of this machine"
         )),
+    }
+    for line in losses(&bus, settings)? {
+        terminal.result(format_args!("{NOTE}note{NOTE:#} {line}"));
     }
     Ok(())
 }
@@ -240,6 +245,40 @@ fn check_clocks(bus: &AmqpBus, settings: &AmqpSettings) -> Result<usize, Diagnos
         wrong.join("; "),
         "synchronise the clocks of all machines, with chrony or systemd-timesyncd: `timedatectl` shows whether they are;\nages and deadlines of messages between them are wrong by the difference",
     ))
+}
+
+/// The losses of all running components, and what passes their bridges to ROS.
+fn losses(bus: &Arc<AmqpBus>, settings: &AmqpSettings) -> Result<Vec<String>, Diagnosis> {
+    let bus: Arc<dyn Bus> = Arc::<AmqpBus>::clone(bus);
+    let remote = Remote::over_bus(bus, None)
+        .map_err(|error| missing_permission("cannot read a topic", &error.to_string(), settings))?;
+    let mut lines = Vec::new();
+    for RobotPresence { robot, presence } in remote.processes() {
+        for component in &presence.components {
+            let PresentComponent {
+                name,
+                dropped,
+                misfits,
+                inspection,
+                ..
+            } = component;
+            let passages = inspection.iter();
+            let passages = passages.filter(|(_, it)| it.get("per_second").is_some());
+            let process = &presence.process;
+            lines.extend(passages.map(|(passage, flow)| {
+                format!(
+                    "`{name}` of process `{process}` of {robot}: {passage} {}",
+                    brief(flow)
+                )
+            }));
+            if dropped + misfits > 0 {
+                lines.push(format!(
+                    "`{name}` of process `{process}` of {robot} has lost messages: {dropped} dropped, {misfits} unsuitable"
+                ));
+            }
+        }
+    }
+    Ok(lines)
 }
 
 fn missing_permission(problem: &str, reason: &str, settings: &AmqpSettings) -> Diagnosis {

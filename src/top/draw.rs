@@ -121,8 +121,12 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
     let components = view.components(board, now);
     let several = components.iter().any(|it| it.robot != components[0].robot);
     let is_over = view.result.is_some();
-    let rows = components.iter().map(|it| component(it, several, is_over));
-    let head = [
+    // without losses, the other columns have the place
+    let is_losing = |it: &BoardComponent<'_>| it.present.dropped + it.present.misfits > 0;
+    let has_losses = components.iter().any(is_losing);
+    let shown = (several, has_losses);
+    let rows = components.iter().map(|it| component(it, shown, is_over));
+    let mut head = vec![
         "component",
         "process",
         "state",
@@ -131,7 +135,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         "mean/max",
         "overruns",
     ];
-    let widths = [
+    let mut widths = vec![
         Constraint::Fill(3),
         Constraint::Fill(2),
         Constraint::Length(14),
@@ -140,6 +144,10 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         Constraint::Length(12),
         Constraint::Length(8),
     ];
+    if has_losses {
+        head.push("lost");
+        widths.push(Constraint::Length(8));
+    }
     let title = format!("components {}", components.len());
     table(
         frame,
@@ -150,7 +158,11 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
     );
 }
 
-fn component(component: &BoardComponent<'_>, several: bool, is_over: bool) -> Row<'static> {
+fn component(
+    component: &BoardComponent<'_>,
+    (several, has_losses): (bool, bool),
+    is_over: bool,
+) -> Row<'static> {
     let present = component.present;
     // the processes of a run that has ended are silent, and its last facts are its result
     let silence = component.silence.filter(|_| !is_over);
@@ -178,7 +190,7 @@ fn component(component: &BoardComponent<'_>, several: bool, is_over: bool) -> Ro
     // outdated facts are dimmed
     let is_current = silence.is_none();
     let now = |shown: String| if is_current { shown } else { "-".to_owned() };
-    Row::new([
+    let cells = [
         Span::raw(present.name.clone()),
         Span::raw(process),
         Span::styled(state, style),
@@ -186,8 +198,9 @@ fn component(component: &BoardComponent<'_>, several: bool, is_over: bool) -> Ro
         Span::raw(now(measured)),
         cycle_time(present),
         overruns(present),
-    ])
-    .style(if is_current { Style::new() } else { FAINT })
+    ];
+    let lost = has_losses.then(|| lost(present));
+    Row::new(cells.into_iter().chain(lost)).style(if is_current { Style::new() } else { FAINT })
 }
 
 /// The control state of a running coordinator, or the state in the life cycle.
@@ -222,6 +235,15 @@ fn overruns(present: &PresentComponent) -> Span<'static> {
         (0, 0) => Span::raw("0"),
         (missed, 0) => Span::styled(missed.to_string(), NOTE),
         (missed, late) => Span::styled(format!("{missed}+{late} late"), NOTE),
+    }
+}
+
+/// Messages that were dropped, and those that were unsuitable.
+fn lost(present: &PresentComponent) -> Span<'static> {
+    match (present.dropped, present.misfits) {
+        (0, 0) => Span::raw("0"),
+        (dropped, 0) => Span::styled(dropped.to_string(), NOTE),
+        (dropped, misfits) => Span::styled(format!("{dropped}+{misfits} bad"), NOTE),
     }
 }
 

@@ -128,6 +128,29 @@ fn it_fits_a_small_terminal() {
 }
 
 #[test]
+fn lost_messages_have_a_column() {
+    let mut board = Board::default();
+    let bridge = PresentComponent {
+        dropped: 12,
+        misfits: 3,
+        ..component("RosBridge", "Running", 0, 40.0, 0)
+    };
+    let driver = component("Driver", "Running", 100, 10.0, 0);
+    board.receive(&presence("robot", vec![bridge, driver]), at(9.5));
+    let shown = screen(&board, &View::default(), 10.0, (100, 24));
+    let rows: Vec<&str> = shown.lines().collect();
+    let row = |name: &str| rows.iter().find(|it| it.contains(name)).unwrap();
+    assert!(row("component ").contains("lost"), "{shown}");
+    assert!(row("RosBridge").contains("12+3 bad"), "{shown}");
+    assert!(
+        row("Driver")
+            .trim_end_matches(['│', '"', ' '])
+            .ends_with('0'),
+        "{shown}"
+    );
+}
+
+#[test]
 fn it_fills_a_large_terminal() {
     let board = board();
     let view = pressed(&board, &[Key::Down], 10.0);
