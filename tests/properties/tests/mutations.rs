@@ -12,8 +12,8 @@ use asmotion_messages::{
 };
 use asmotion_mqueue::QueueLayout;
 use asmotion_robustness::{
-    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_definition,
-    ros_header, ros_message, scdl, xml_rpc,
+    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_bridge,
+    ros_definition, ros_header, ros_message, scdl, xml_rpc,
 };
 use asmotion_ros1::header::ConnectionHeader;
 use asmotion_ros1::xmlrpc::{XmlRpcValue, write_call, write_response};
@@ -247,6 +247,15 @@ fn messages_of_ros_1_are_read() {
     let seeds: Vec<_> = samples().into_iter().filter_map(encode).collect();
     assert!(seeds.len() > 1);
     holds(ros_message, &seeds, false, 200);
+}
+
+#[test]
+fn messages_of_peers_cross_a_bridge() {
+    let of_ros_1 = |(datum, schema): &(Datum, &Schema)| ros1::encode(datum, schema).ok();
+    let mut seeds: Vec<_> = samples().iter().filter_map(of_ros_1).collect();
+    seeds.extend(encoded(Codec::Cdr));
+    assert!(seeds.len() > 2);
+    holds(ros_bridge, &seeds, false, 100);
 }
 
 #[test]
