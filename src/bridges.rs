@@ -5,12 +5,63 @@ use asmotion_composite::Catalogue;
 use asmotion_composite::model::BuiltinComponent;
 use asmotion_datum::Word as _;
 use asmotion_plan::{Component, Implementation, Plan};
+use asmotion_runtime::{Run, System};
 
 use crate::feature::without_bridges;
+
+/// The ros-bridges of a mission, and the components that they show to ROS.
+#[derive(Default)]
+pub(crate) struct Bridges {
+    #[cfg(feature = "ros")]
+    desk: crate::ros_desk::RosDesk,
+}
+
+impl Bridges {
+    /// Returns the constructor of a ros-bridge, as [`make`] does.
+    pub(crate) fn make(
+        &self,
+        catalogue: &dyn Catalogue,
+        component: &Component,
+        plan: &Plan,
+    ) -> Option<Make> {
+        make_in(self, catalogue, component, plan)
+    }
+
+    /// Observes the components that bridges of the plan show. To be called before the system runs.
+    pub(crate) fn observe(&self, system: &mut System, plan: &Plan) {
+        #[cfg(feature = "ros")]
+        self.desk.observe(system, plan);
+        #[cfg(not(feature = "ros"))]
+        let _ = (system, plan);
+    }
+
+    /// Carries out what clients in ROS want of components. To be called regularly while the system runs.
+    pub(crate) fn process(&mut self, run: &mut dyn Run) {
+        #[cfg(feature = "ros")]
+        self.desk.process(run);
+        #[cfg(not(feature = "ros"))]
+        let _ = run;
+    }
+
+    /// Another version of the composite runs.
+    pub(crate) fn follow(&self) {
+        #[cfg(feature = "ros")]
+        self.desk.follow();
+    }
+}
 
 /// Returns the constructor of a ros-bridge; `None` for other components, and for bridges that no build connects. In a build without
 /// the feature it fails, and says so.
 pub(crate) fn make(catalogue: &dyn Catalogue, component: &Component, plan: &Plan) -> Option<Make> {
+    make_in(&Bridges::default(), catalogue, component, plan)
+}
+
+fn make_in(
+    bridges: &Bridges,
+    catalogue: &dyn Catalogue,
+    component: &Component,
+    plan: &Plan,
+) -> Option<Make> {
     let Implementation::Builtin { name, bridge, .. } = &component.implementation else {
         return None;
     };
@@ -24,11 +75,12 @@ pub(crate) fn make(catalogue: &dyn Catalogue, component: &Component, plan: &Plan
     }
     #[cfg(feature = "ros")]
     {
-        with_ros::make(catalogue, component, plan, bridge)
+        let desk = bridges.desk.components();
+        with_ros::make(catalogue, component, plan, (bridge, desk))
     }
     #[cfg(not(feature = "ros"))]
     {
-        let _ = (catalogue, component);
+        let _ = (bridges, catalogue, component);
         None
     }
 }
@@ -45,8 +97,8 @@ mod with_ros {
     use asmotion_datum::Schema;
     use asmotion_plan::Bridge;
     use asmotion_ros_gateway::{
-        FieldConverter, MappedFeedback, MappedOperation, MappedTopic, Ros1Settings, Ros1Transport,
-        RosBridge, RosDirection, RosTransport,
+        ComponentDesk, FieldConverter, MappedFeedback, MappedOperation, MappedTopic, Ros1Settings,
+        Ros1Transport, RosBridge, RosDirection, RosTransport, ShownComponent,
     };
 
     use super::{Catalogue, Component, Make, Plan};
@@ -57,7 +109,7 @@ mod with_ros {
         catalogue: &dyn Catalogue,
         component: &Component,
         plan: &Plan,
-        bridge: &Bridge,
+        (bridge, desk): (&Bridge, ComponentDesk),
     ) -> Option<Make> {
         let node = bridge.node.clone();
         let node = node.unwrap_or_else(|| node_name(component, plan));
@@ -79,9 +131,11 @@ mod with_ros {
                 }
             }
         }
+        let shown = shown(component);
         Some(Box::new(move |interface: &mut Interface| {
             let bridge = RosBridge::new(transport?, mapped, interface)?;
             let bridge = bridge.with_operations(operations, interface)?;
+            let bridge = bridge.showing(shown, desk);
             Ok(Box::new(bridge) as Box<dyn asmotion_component::Component>)
         }))
     }
@@ -117,6 +171,34 @@ mod with_ros {
     #[cfg(not(feature = "ros2"))]
     fn ros2(_: String, _: &Bridge) -> Result<Box<dyn RosTransport>, String> {
         Err(crate::feature::LeftOut::new::<crate::feature::Ros2>().to_string())
+    }
+
+    /// The components that a bridge shows: one entry for each name in ROS.
+    fn shown(component: &Component) -> Vec<ShownComponent> {
+        let special = &component.special;
+        let parameters = special.parameters.iter().map(|it| (it, true));
+        let managed = special.managed.iter().map(|it| (it, false));
+        let mut shown: Vec<ShownComponent> = Vec::new();
+        for ((name, ros), has_parameters) in parameters.chain(managed) {
+            let (component, property) = match name.split_once('.') {
+                Some((component, property)) => (component, Some(property.to_owned())),
+                None => (name.as_str(), None),
+            };
+            let mut known = shown.iter_mut();
+            if let Some(same) = known.find(|it| it.ros == *ros && it.component == component) {
+                same.has_parameters |= has_parameters;
+                same.is_managed |= !has_parameters;
+                continue;
+            }
+            shown.push(ShownComponent {
+                component: component.to_owned(),
+                property,
+                ros: ros.clone(),
+                has_parameters,
+                is_managed: !has_parameters,
+            });
+        }
+        shown
     }
 
     fn master(bridge: &Bridge) -> String {
@@ -193,20 +275,21 @@ mod with_ros {
         };
         let cancel = entry.cancel.as_deref();
         let cancel = cancel.and_then(|cancel| cancel.split_once('.'));
-        let feedback = entry.feedback.as_ref().map(|feedback| {
-            let port = ports.iter().find(|port| port.name == *feedback);
+        let mapped_port = |named: &String| {
+            let port = ports.iter().find(|port| port.name == *named);
             let schema = port.and_then(|port| plan.types.get(&port.kind)).cloned();
             MappedFeedback {
-                port: feedback.clone(),
+                port: named.clone(),
                 schema: schema.unwrap_or_else(|| Schema::opaque("")),
             }
-        });
+        };
         Some(MappedOperation {
             port: port.to_owned(),
             interface: interface.clone(),
             operation: declared(name),
             cancel: cancel.map(|(_, name)| declared(name)),
-            feedback,
+            feedback: entry.feedback.as_ref().map(mapped_port),
+            result: entry.result.as_ref().map(mapped_port),
             ros: entry.ros.clone(),
             kind: entry.kind.clone(),
             direction,

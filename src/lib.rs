@@ -26,6 +26,8 @@ mod own_program;
 mod paths;
 mod programs;
 mod prompt;
+#[cfg(feature = "ros")]
+mod ros_desk;
 #[cfg(feature = "ros2")]
 mod ros_domain;
 #[cfg(feature = "ros")]

@@ -37,7 +37,7 @@ use asmotion_plan::{Implementation, Opened, Plan};
 use asmotion_remote::ProcessContact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
-use crate::bridges;
+use crate::bridges::Bridges;
 use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
@@ -207,13 +207,14 @@ impl Mission {
             awaited_updates(plan, self.unless.as_deref(), "FAILED")?,
         )
         .tolerating(&self.may_fail);
+        let mut bridges = Bridges::default();
         let mut workshop = Standard {
             catalogue: self.build.catalogue(),
             loader: &DiskLoader,
             seed: self.seed,
             builtins: &mut |component, plan| {
                 let robot = robots.make(component, plan);
-                robot.or_else(|| bridges::make(self.build.catalogue(), component, plan))
+                robot.or_else(|| bridges.make(self.build.catalogue(), component, plan))
             },
         };
         let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
@@ -256,6 +257,7 @@ impl Mission {
             on_event(at, event, line.as_deref());
             lock(&watcher).observe(at, event);
         });
+        bridges.observe(&mut system, plan);
         let connected = self.connect(plan)?;
         // before the process is announced: it can be reconfigured from then on, and its files may change
         let mut successor = self.version_switch(&opened.path, plan, &part, &connected)?;
@@ -292,7 +294,7 @@ impl Mission {
             director,
             (&watch, &story),
             stop,
-            &mut contacts,
+            (&mut contacts, &mut bridges),
             &mut successor,
         );
         director.finish(run.now());
@@ -377,7 +379,7 @@ impl Mission {
         director: &mut dyn Director,
         (watch, story): (&Mutex<EndCondition>, &Mutex<Story>),
         stop: &AtomicBool,
-        contacts: &mut [ProcessContact<'_>],
+        (contacts, bridges): (&mut [ProcessContact<'_>], &mut Bridges),
         successor: &mut VersionSwitch<'_>,
     ) -> MissionOutcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
@@ -394,7 +396,9 @@ impl Mission {
             for contact in &mut *contacts {
                 contact.process_orders(run);
             }
+            bridges.process(run);
             if successor.process_requests(run) {
+                bridges.follow();
                 let version = successor.running();
                 for contact in &mut *contacts {
                     contact.follow(&version.plan, &version.part);

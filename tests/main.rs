@@ -51,6 +51,7 @@ mod ros2_bridge;
 mod ros_bridge;
 mod ros_calls;
 mod ros_case;
+mod ros_parameters;
 mod routes;
 mod safe;
 mod scenario;

@@ -54,6 +54,13 @@ impl Mission {
         Self { child, lines }
     }
 
+    /// Ends the run as Ctrl-C does.
+    pub fn interrupt(&self) {
+        let process = self.child.id().to_string();
+        let status = Command::new("kill").args(["-INT", &process]).status();
+        assert!(status.unwrap().success());
+    }
+
     /// The next line of the story with this text.
     pub fn line(&self, text: &str) -> String {
         let mut before = Vec::new();

@@ -202,3 +202,27 @@ fn operations_of_components_are_a_service_and_an_action_of_ros() {
     let end = person.event("end", "/drive");
     assert_eq!(end[2], "PREEMPTED", "{end}");
 }
+
+#[test]
+fn a_goal_that_is_aborted_keeps_its_result() {
+    let Some(mut asked) = Asked::start("failure") else {
+        return;
+    };
+    asked.person.subscribe("/left", "nav_msgs/OccupancyGrid");
+    asked.person.obey(json!(["connections", "/left", 1]));
+    let mut mapper = asked.master.rospy("/mapper");
+    let act = |end: &str| {
+        let map = json!({"info": {"width": 2, "height": 1}, "data": [0, 100]});
+        let behaviour = json!({"end": end, "text": "no way", "result": {"map": map}});
+        json!(["act", "/explore", "nav_msgs/GetMap", behaviour])
+    };
+    mapper.obey(act("aborted"));
+    assert_eq!(asked.ask(), "REFUSED");
+    let (left, _) = asked.person.message("/left");
+    assert_eq!(left["info"]["width"], json!(2));
+    assert_eq!(left["data"], json!([0, 100]));
+    // the result of a goal that succeeds is the answer
+    mapper.obey(act("succeeded"));
+    assert_eq!(asked.ask(), "ANSWERED");
+    assert_eq!(asked.person.waiting("/left"), 0);
+}

@@ -131,6 +131,15 @@ impl FieldConverter {
         Ok(())
     }
 
+    /// The values here, if the converter is one of an enumeration, with the path of the field.
+    pub fn words(&self) -> Option<(String, Vec<&str>)> {
+        let Meaning::Words(pairs) = &self.how else {
+            return None;
+        };
+        let words = pairs.iter().map(|(here, _)| here.as_str());
+        Some((self.path.join("."), words.collect()))
+    }
+
     /// The schema of the messages here, with the type that the field has there.
     pub fn converted(&self, mut here: Schema, there: &Schema) -> Schema {
         if let (Some(field_here), Some(there)) =

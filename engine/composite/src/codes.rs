@@ -128,6 +128,9 @@ pub(crate) mod c182;
 pub(crate) mod c183;
 pub(crate) mod c184;
 pub(crate) mod c185;
+pub(crate) mod c186;
+pub(crate) mod c187;
+pub(crate) mod c188;
 pub(crate) mod c190;
 
 use asmotion_diagnostics::Code;
@@ -260,5 +263,8 @@ pub const CODES: &[&Code] = &[
     c183::OperationMappedTwice::CODE,
     c184::WrongConverter::CODE,
     c185::NoSingleRosService::CODE,
+    c186::HiddenComponent::CODE,
+    c187::EndlessCircle::CODE,
+    c188::UnconvertedLiteral::CODE,
     c190::NoCertificate::CODE,
 ];

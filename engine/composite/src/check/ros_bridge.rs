@@ -9,8 +9,8 @@ use asmotion_diagnostics::Report;
 use super::builtin::missing;
 use super::component::unknown;
 use super::endpoints::TypeAt;
-use super::ros_operation;
 use super::scene::CheckedComposite;
+use super::{ros_component, ros_operation};
 use crate::at::At;
 use crate::codes::c048::IdleKey;
 use crate::codes::c122::PortNotListed;
@@ -68,6 +68,7 @@ pub(super) fn check(
         }
     }
     ros_operation::check_all(scene, component, report);
+    ros_component::check(scene, component, bridge.kind.value, report);
 }
 
 /// The service or reference, and the operation, that an entry names in place of a port.

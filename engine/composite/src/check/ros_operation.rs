@@ -69,8 +69,24 @@ pub(super) fn check_entry(
             reason: "clients in ROS cancel their goals themselves",
         });
     }
+    if let (Some(result), Direction::FromRos, Some(_)) =
+        (&entry.result, entry.direction.value, &there.feedback)
+    {
+        report.found(IdleKey {
+            key: "result",
+            at: result.span,
+            reason: "a fault of the reference has no result",
+        });
+    }
     if let (Some(port), Some(schema)) = (&entry.feedback, &there.feedback) {
-        check_feedback(scene, component, entry, port, (schema, &there), report);
+        let what = ("feedback", schema);
+        check_feedback(scene, component, entry, port, (what, &there), report);
+    }
+    if let (Some(port), Direction::ToRos, Some(_)) =
+        (&entry.result, entry.direction.value, &there.feedback)
+    {
+        let what = ("result", &there.response);
+        check_feedback(scene, component, entry, port, (what, &there), report);
     }
     let Some(interface) = interface(component, entry, report) else {
         return;
@@ -83,7 +99,11 @@ pub(super) fn check_entry(
 
 /// Reports keys of actions.
 pub(super) fn only_for_actions(entry: &RosEntry, reason: &'static str, report: &mut Report) {
-    let keys = [("feedback", &entry.feedback), ("cancel", &entry.cancel)];
+    let keys = [
+        ("feedback", &entry.feedback),
+        ("result", &entry.result),
+        ("cancel", &entry.cancel),
+    ];
     for (key, written) in keys {
         if let Some(written) = written {
             let at = written.span;
@@ -259,7 +279,7 @@ fn check_feedback(
     component: &Component,
     entry: &RosEntry,
     port: &At<String>,
-    (there, of): (&Schema, &RosOperation),
+    ((part, there), of): ((&'static str, &Schema), &RosOperation),
     report: &mut Report,
 ) {
     let (lists, list, direction) = match entry.direction.value {
@@ -293,7 +313,7 @@ fn check_feedback(
     };
     if conversion.is_none() {
         report.found(RosOperationDiffers {
-            part: "feedback",
+            part,
             operation: entry.from.value.clone(),
             there: entry.kind.value.clone(),
             at: port.span,

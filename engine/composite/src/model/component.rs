@@ -108,6 +108,16 @@ pub struct SpecialKeys {
     /// floating-point numbers with the same path in both are found.
     #[key(example = "[{ of = \"commands.position\", on = \"jointStatus.position\" }]")]
     pub lengths: Vec<ListLength>,
+    /// `ros-bridge`: components whose properties are parameters of ROS, or single properties as `Component.property`. The value is
+    /// the name in ROS. ROS 1: of the parameter, or of the one that contains those of the component. ROS 2: of the node with the
+    /// parameters of the component.
+    #[key(
+        example = "{ Follower = \"follower\", \"Driver.max_speed\" = \"/move_base/max_vel_x\" }"
+    )]
+    pub parameters: Vec<NamedValue<At<String>>>,
+    /// `ros-bridge`, ROS 2: components whose life cycle is that of a managed node, with the names of the nodes.
+    #[key(example = "{ Follower = \"follower\" }")]
+    pub managed: Vec<NamedValue<At<String>>>,
     /// `web-monitor`: charts of the dashboard.
     #[key(example = "[{ title = \"Speed\", series = [\"velocity\"] }]")]
     pub plots: Vec<Plot>,
@@ -268,6 +278,9 @@ pub struct RosEntry {
     /// Actions: port with the feedback, an output of the bridge (`to_ros`) or an input (`from_ros`).
     #[key(example = "\"progress\"")]
     pub feedback: Option<At<String>>,
+    /// Actions `to_ros`: output of the bridge with the results of goals that end without success.
+    #[key(example = "\"failure\"")]
+    pub result: Option<At<String>>,
     /// Actions `to_ros`: `service.operation` that cancels the goals of all callers.
     #[key(example = "\"moving.cancel\"")]
     pub cancel: Option<At<String>>,

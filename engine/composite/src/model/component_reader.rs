@@ -53,7 +53,7 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
         builtin == Some(BuiltinComponent::RosBridge),
         builtin == Some(BuiltinComponent::PortProxy),
     );
-    let rules: [(&'static str, bool, &'static str); 14] = [
+    let rules: [(&'static str, bool, &'static str); 16] = [
         ("bind", asm, "only functions of an ASM can be bound"),
         ("verify", asm, "only an ASM can be verified"),
         (
@@ -66,6 +66,16 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
             "lengths",
             proxy,
             "only the built-in `port-proxy` checks lengths",
+        ),
+        (
+            "parameters",
+            ros,
+            "only the built-in `ros-bridge` shows components to ROS",
+        ),
+        (
+            "managed",
+            ros,
+            "only the built-in `ros-bridge` shows components to ROS",
         ),
         (
             "plots",

@@ -8,6 +8,7 @@ import json
 import sys
 import threading
 import time
+from dataclasses import fields
 
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
@@ -86,7 +87,7 @@ elif role == "subscribe":
 
 elif role == "obey":
     # a node that does what its input says: each line is a command
-    readers, writers, held = {}, {}, set()
+    readers, writers, held, clients = {}, {}, set(), {}
     gid_kind = make_idl_struct("Gid_", "rmw_dds_common::msg::dds_::Gid_", {"data": types.array[types.uint8, 16]})
     node_kind = make_idl_struct(
         "NodeEntitiesInfo_",
@@ -142,6 +143,33 @@ elif role == "obey":
         elif verb == "publish":
             writer, kind = writers[name]
             writer.write(kind.deserialize(bytes.fromhex(rest[0])))
+        elif verb == "client":
+            # a client as rmw_cyclonedds has it
+            of, reply_of = rest
+            plain, reply_plain = of_schema(of["schema"], of["type"]), of_schema(reply_of["schema"], reply_of["type"])
+            request, response = with_header(plain, of["type"]), with_header(reply_plain, reply_of["type"])
+            asks = DataWriter(participant, topic("rq" + name + "Request", request), qos=qos_of({}))
+            answers = DataReader(participant, topic("rr" + name + "Reply", response), qos=qos_of({}))
+            wait_for(lambda: asks.get_publication_matched_status().current_count > 0)
+            wait_for(lambda: answers.get_subscription_matched_status().current_count > 0)
+            time.sleep(0.2)
+            clients[name] = (asks, answers, plain, request, reply_plain)
+        elif verb == "call":
+            asks, answers, plain, request, reply_plain = clients[name]
+            number = time.monotonic_ns()
+            message = plain.deserialize(bytes.fromhex(rest[0]))
+            asks.write(request(guid=4711, seq=number, **{it.name: getattr(message, it.name) for it in fields(plain)}))
+            found = []
+
+            def answered():
+                for sample in answers.take(16):
+                    if hasattr(sample, "sample_info") and sample.sample_info.valid_data and sample.seq == number:
+                        found.append(reply_plain(**{it.name: getattr(sample, it.name) for it in fields(reply_plain)}))
+                return bool(found)
+
+            wait_for(answered)
+            with output:
+                say("answer", found[0].serialize().hex())
         elif verb == "hold":
             held.add(name)
         elif verb == "release":

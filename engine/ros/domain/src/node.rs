@@ -8,6 +8,7 @@ use asmotion_datum::{Codec, Datum, Schema};
 use asmotion_ros_interface::InterfaceName;
 use serde_json::{Value, json};
 
+use crate::action::service_kinds;
 use crate::peer::{LONG, Peer, catalogue, hex};
 
 /// A node of ROS whose DDS is Cyclone: it publishes its name in the graph.
@@ -16,6 +17,15 @@ pub struct CycloneNode {
     /// Messages that were not awaited yet: topic and content in CDR.
     unread: VecDeque<(String, String)>,
     kinds: Vec<(String, Schema)>,
+    /// Services of which there are clients, with the schemas of request and response.
+    services: Vec<(String, Vec<Schema>)>,
+}
+
+fn read(schema: &Schema, digits: &str) -> Value {
+    let pair = |at| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
+    let bytes: Vec<u8> = (0..digits.len()).step_by(2).map(pair).collect();
+    let datum: Datum = Codec::Cdr.decode(&bytes, schema).unwrap();
+    serde_json::from_str(&asmotion_datum::json::encode(&datum).unwrap()).unwrap()
 }
 
 /// The quality of service of a topic of a [`CycloneNode`]: reliable, volatile, depth 10 by default.
@@ -78,6 +88,7 @@ impl CycloneNode {
             peer: Peer::start(python, "obey", &json!({ "domain": domain, "name": name })),
             unread: VecDeque::new(),
             kinds: Vec::new(),
+            services: Vec::new(),
         };
         node.peer.expect("ready");
         node
@@ -128,6 +139,30 @@ impl CycloneNode {
         self.kinds.push((topic.to_owned(), schema));
     }
 
+    /// Creates a client of a service, and waits until a server matches.
+    pub fn client(&mut self, service: &str, of: &str) {
+        let [request, response] = service_kinds(of);
+        self.obey(&json!(["client", service, request, response]));
+        let schemas = catalogue().schemas(&of.parse().unwrap()).unwrap();
+        self.services.push((service.to_owned(), schemas));
+    }
+
+    /// Calls a service of which there is a client, and waits for the response.
+    ///
+    /// # Panics
+    /// There is no response soon.
+    pub fn call(&mut self, service: &str, request: &Value) -> Value {
+        let known = self.services.iter().find(|(name, _)| name == service);
+        let schemas = known.expect("a client").1.clone();
+        let datum = Codec::Json.decode(request.to_string().as_bytes(), &schemas[0]);
+        let complete = schemas[0].complete(datum.unwrap()).unwrap();
+        let bytes = Codec::Cdr.encode(&complete, &schemas[0]).unwrap();
+        self.obey(&json!(["call", service, hex(&bytes)]));
+        let answer = self.unread.iter().position(|(of, _)| of == "answer");
+        let (_, digits) = self.unread.remove(answer.expect("an answer")).unwrap();
+        read(&schemas[1], &digits)
+    }
+
     fn schema(&self, topic: &str) -> &Schema {
         let mut kinds = self.kinds.iter();
         &kinds.find(|(name, _)| name == topic).expect("a topic").1
@@ -156,7 +191,7 @@ impl CycloneNode {
         loop {
             if let Some(at) = self.unread.iter().position(|(of, _)| of == topic) {
                 let (_, digits) = self.unread.remove(at)?;
-                return Some(self.read(topic, &digits));
+                return Some(read(self.schema(topic), &digits));
             }
             let left = end.checked_duration_since(Instant::now())?;
             for line in self.peer.lines_for(left.min(Duration::from_millis(20))) {
@@ -168,13 +203,6 @@ impl CycloneNode {
     fn keep(&mut self, line: &str) {
         let (topic, digits) = line.split_once(' ').expect("a message");
         self.unread.push_back((topic.to_owned(), digits.to_owned()));
-    }
-
-    fn read(&self, topic: &str, digits: &str) -> Value {
-        let pair = |at| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
-        let bytes: Vec<u8> = (0..digits.len()).step_by(2).map(pair).collect();
-        let datum: Datum = Codec::Cdr.decode(&bytes, self.schema(topic)).unwrap();
-        serde_json::from_str(&asmotion_datum::json::encode(&datum).unwrap()).unwrap()
     }
 
     /// Takes no messages of a topic from DDS until they are released.

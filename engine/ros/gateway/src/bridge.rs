@@ -1,6 +1,7 @@
 //! The component.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asmotion_bridge::{Conversion, Use};
@@ -10,12 +11,16 @@ use asmotion_component::{
 use asmotion_datum::{Datum, Schema};
 
 use crate::calls::CalledOperation;
+use crate::desk::ComponentDesk;
 use crate::echo::Echoes;
 use crate::mapped::{JoinedTopics, MappedTopic, RosDirection};
 use crate::misfits::Misfits;
 use crate::offers::OfferedOperation;
 use crate::operation::{MappedOperation, OperationCaller, OperationServer};
+use crate::shown::{ComponentDisplay, ShownComponent};
+use crate::traffic::Traffic;
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+use crate::wake::Wake;
 
 /// Longest wait for the last messages to leave, when the bridge ends.
 const LEAVE: Duration = Duration::from_millis(500);
@@ -30,6 +35,8 @@ pub struct RosBridge {
     from_ros: Vec<Inbound>,
     calls: Vec<CalledOperation>,
     offers: Vec<OfferedOperation>,
+    shown: Vec<ShownComponent>,
+    desk: ComponentDesk,
     /// `None` before the component is configured.
     open: Option<OpenConnection>,
     /// Messages that the bridge itself wrote, by pairs of topics that it maps in both directions.
@@ -43,12 +50,18 @@ struct Outbound {
     ros_schema: Schema,
     /// Of the next message.
     sequence: u32,
+    traffic: Traffic,
+    /// Messages that did not fit.
+    misfits: u64,
 }
 
 struct Inbound {
     mapped: MappedTopic,
     port: Out<Datum>,
     conversion: Conversion,
+    traffic: Traffic,
+    /// Messages that did not fit.
+    misfits: u64,
 }
 
 /// A connection, with a sender or receiver for each mapping, in their order.
@@ -58,6 +71,8 @@ struct OpenConnection {
     receivers: Vec<Box<dyn MessageReceiver>>,
     callers: Vec<Box<dyn OperationCaller>>,
     servers: Vec<Box<dyn OperationServer>>,
+    /// `None` if no component is shown.
+    display: Option<Box<dyn ComponentDisplay>>,
     connection: Box<dyn RosConnection>,
 }
 
@@ -94,6 +109,8 @@ impl RosBridge {
                         mapped,
                         ros_schema,
                         sequence: 0,
+                        traffic: Traffic::default(),
+                        misfits: 0,
                     });
                 }
                 RosDirection::FromRos => {
@@ -111,6 +128,8 @@ impl RosBridge {
                         mapped,
                         port,
                         conversion,
+                        traffic: Traffic::default(),
+                        misfits: 0,
                     });
                 }
             }
@@ -121,6 +140,8 @@ impl RosBridge {
             from_ros,
             calls: Vec::new(),
             offers: Vec::new(),
+            shown: Vec::new(),
+            desk: ComponentDesk::default(),
             open: None,
             echoes,
             misfits: Misfits::default(),
@@ -152,6 +173,28 @@ impl RosBridge {
         Ok(self)
     }
 
+    /// Shows components of the desk to ROS. The program that runs the system looks after the desk.
+    #[must_use]
+    pub fn showing(mut self, shown: Vec<ShownComponent>, desk: ComponentDesk) -> Self {
+        (self.shown, self.desk) = (shown, desk);
+        self
+    }
+
+    /// Opens the display of the components that are shown.
+    fn open_display(
+        &self,
+        connection: &mut dyn RosConnection,
+        wake: Wake,
+    ) -> Result<Option<Box<dyn ComponentDisplay>>, Fault> {
+        if self.shown.is_empty() {
+            return Ok(None);
+        }
+        let names = self.shown.iter().map(|it| it.component.clone());
+        let watch = self.desk.watch(names, wake);
+        let display = connection.show(&self.shown, watch);
+        display.map(Some).map_err(Fault::new)
+    }
+
     /// Takes requests to ROS and from ROS, and their answers.
     fn serve_operations(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
         for (called, caller) in self.calls.iter_mut().zip(&mut open.callers) {
@@ -159,6 +202,14 @@ impl RosBridge {
         }
         for (offered, server) in self.offers.iter_mut().zip(&mut open.servers) {
             offered.update(&mut **server, &mut self.misfits, cycle);
+        }
+        if let Some(display) = &mut open.display {
+            for text in display.update() {
+                cycle.report(NOTICE_REPORT, Datum::text(text));
+            }
+            if let Some(patience) = display.patience() {
+                cycle.request_cycle_at(cycle.now() + patience);
+            }
         }
     }
 
@@ -172,9 +223,13 @@ impl RosBridge {
                     continue;
                 }
                 let sent = outbound.message(sample).and_then(|it| sender.send(&it));
-                if let Err(reason) = sent {
-                    let at = (&outbound.mapped.port, &outbound.mapped.ros);
-                    self.misfits.count(at, &reason, cycle);
+                match sent {
+                    Ok(()) => outbound.traffic.pass(1, Instant::now()),
+                    Err(reason) => {
+                        outbound.misfits += 1;
+                        let at = (&outbound.mapped.port, &outbound.mapped.ros);
+                        self.misfits.count(at, &reason, cycle);
+                    }
                 }
             }
         }
@@ -182,7 +237,7 @@ impl RosBridge {
 
     /// Writes the messages of ROS to the outputs.
     fn write_messages(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
-        for (inbound, receiver) in self.from_ros.iter().zip(&mut open.receivers) {
+        for (inbound, receiver) in self.from_ros.iter_mut().zip(&mut open.receivers) {
             for message in receiver.take() {
                 match inbound.sample(&message) {
                     Ok(sample) => {
@@ -191,8 +246,10 @@ impl RosBridge {
                             echoes.written(&sample);
                         }
                         cycle.write(inbound.port, sample);
+                        inbound.traffic.pass(1, Instant::now());
                     }
                     Err(reason) => {
+                        inbound.misfits += 1;
                         let at = (&inbound.mapped.port, &inbound.mapped.ros);
                         self.misfits.count(at, &reason, cycle);
                     }
@@ -210,7 +267,7 @@ impl Component for RosBridge {
                 "a ros-bridge needs the wall clock: run without `--speed`, or in a profile without it",
             ));
         };
-        let mut connection = self.transport.join(wake).map_err(Fault::new)?;
+        let mut connection = self.transport.join(Arc::clone(&wake)).map_err(Fault::new)?;
         let (mut senders, mut receivers) = (Vec::new(), Vec::new());
         for outbound in &self.to_ros {
             senders.push(connection.publish(&outbound.mapped).map_err(Fault::new)?);
@@ -225,11 +282,13 @@ impl Component for RosBridge {
         for offered in &self.offers {
             servers.push(connection.offer(&offered.mapped).map_err(Fault::new)?);
         }
+        let display = self.open_display(&mut *connection, wake)?;
         self.open = Some(OpenConnection {
             senders,
             receivers,
             callers,
             servers,
+            display,
             connection,
         });
         Ok(())
@@ -253,6 +312,29 @@ impl Component for RosBridge {
 
     fn awaited_writers(&self) -> AwaitedWriters {
         AwaitedWriters::All
+    }
+
+    fn inspect(&self) -> Vec<(String, Datum)> {
+        let (Some(open), now) = (&self.open, Instant::now()) else {
+            return Vec::new();
+        };
+        let to_ros = self.to_ros.iter().zip(&open.senders).map(|(of, sender)| {
+            let name = format!("{} → {}", of.mapped.port, of.mapped.ros);
+            (
+                name,
+                of.traffic.describe(with(sender.losses(), of.misfits), now),
+            )
+        });
+        let from_ros = self.from_ros.iter().zip(&open.receivers);
+        let from_ros = from_ros.map(|(of, receiver)| {
+            let name = format!("{} ← {}", of.mapped.port, of.mapped.ros);
+            (
+                name,
+                of.traffic
+                    .describe(with(receiver.losses(), of.misfits), now),
+            )
+        });
+        to_ros.chain(from_ros).collect()
     }
 
     fn stop(&mut self, _: &mut Cycle<'_>) {
@@ -284,6 +366,14 @@ impl Drop for OpenConnection {
         for sender in &mut self.senders {
             sender.finish(until);
         }
+    }
+}
+
+/// Losses with further misfits.
+fn with(losses: Losses, misfits: u64) -> Losses {
+    Losses {
+        misfits: losses.misfits + misfits,
+        ..losses
     }
 }
 

@@ -11,7 +11,8 @@ use asmotion_datum::{Datum, DatumError, Schema, Shape};
 
 use crate::misfits::Misfits;
 use crate::operation::{
-    BAD_ARGUMENT, BAD_REPLY, CallProgress, MappedOperation, OperationCaller, OperationSchemas,
+    BAD_ARGUMENT, BAD_REPLY, CallProgress, MappedFeedback, MappedOperation, OperationCaller,
+    OperationSchemas,
 };
 
 /// Time for a one-way request to a service, whose caller gives none.
@@ -23,6 +24,8 @@ pub(crate) struct CalledOperation {
     served: Provided<Dynamic>,
     cancel: Option<Provided<Dynamic>>,
     feedback: Option<Feedback>,
+    /// Of goals that end without success.
+    failures: Option<Feedback>,
     /// From the argument to the request in ROS.
     request: Conversion,
     request_there: Schema,
@@ -82,23 +85,36 @@ impl CalledOperation {
         let served = interface.serve_declared(service, name, of.clone(), &doc);
         let cancel = mapped.cancel.clone();
         let cancel = cancel.map(|cancel| interface.serve_declared(service, name, cancel, &doc));
-        let feedback = match (&mapped.feedback, there.feedback) {
-            (Some(feedback), Some(schema)) => Some(Feedback {
-                conversion: conversion(&schema, &feedback.schema, Use::Fill, &mapped)?,
+        let output = |to: &MappedFeedback, from: &Schema, what: &str, interface: &mut Interface| {
+            Ok::<_, String>(Feedback {
+                conversion: conversion(from, &to.schema, Use::Fill, &mapped)?,
                 port: interface.output_of(
-                    &feedback.port,
-                    feedback.schema.clone(),
-                    &format!("feedback of `{}` of ROS", mapped.ros),
+                    &to.port,
+                    to.schema.clone(),
+                    &format!("{what} of `{}` of ROS", mapped.ros),
                 ),
-                schema: feedback.schema.clone(),
-            }),
+                schema: to.schema.clone(),
+            })
+        };
+        let feedback = match (&mapped.feedback, &there.feedback) {
+            (Some(to), Some(schema)) => Some(output(to, schema, "feedback", interface)?),
             (Some(_), None) => return Err(format!("`{}` gives no feedback", mapped.kind)),
             (None, _) => None,
+        };
+        let failures = match &mapped.result {
+            Some(to) => Some(output(
+                to,
+                &there.response,
+                "results of failed goals",
+                interface,
+            )?),
+            None => None,
         };
         Ok(Self {
             served,
             cancel,
             feedback,
+            failures,
             request,
             request_there: there.request,
             response,
@@ -126,7 +142,12 @@ impl CalledOperation {
         }
         for progress in caller.take() {
             match progress {
-                CallProgress::Feedback(feedback) => self.write_feedback(&feedback, misfits, cycle),
+                CallProgress::Feedback(feedback) => {
+                    self.write(self.feedback.as_ref(), &feedback, misfits, cycle);
+                }
+                CallProgress::Failure(result) => {
+                    self.write(self.failures.as_ref(), &result, misfits, cycle);
+                }
                 CallProgress::Ended { call, result } => {
                     self.end(RequestId(call), result, misfits, cycle);
                 }
@@ -185,11 +206,17 @@ impl CalledOperation {
         }
     }
 
-    fn write_feedback(&self, feedback: &Datum, misfits: &mut Misfits, cycle: &mut Cycle<'_>) {
-        let Some(to) = &self.feedback else {
+    fn write(
+        &self,
+        to: Option<&Feedback>,
+        message: &Datum,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        let Some(to) = to else {
             return;
         };
-        match to.schema.complete(to.conversion.apply(feedback)) {
+        match to.schema.complete(to.conversion.apply(message)) {
             Ok(sample) => cycle.write(to.port, sample),
             Err(error) => misfits.count(
                 (&self.mapped.port, &self.mapped.ros),

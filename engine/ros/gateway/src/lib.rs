@@ -6,6 +6,7 @@
 
 mod bridge;
 mod calls;
+mod desk;
 mod echo;
 mod mapped;
 mod misfits;
@@ -15,18 +16,33 @@ pub mod operation;
 mod operation_type;
 mod ros1;
 mod ros1_operations;
+mod ros1_parameters;
 #[cfg(feature = "ros2")]
 mod ros2;
 #[cfg(feature = "ros2")]
+mod ros2_components;
+#[cfg(feature = "ros2")]
+mod ros2_life_cycle;
+#[cfg(feature = "ros2")]
 mod ros2_operations;
+#[cfg(feature = "ros2")]
+mod ros2_parameter;
+mod shown;
+mod traffic;
 mod transport;
+mod wake;
 
 pub use asmotion_bridge::FieldConverter;
 pub use bridge::RosBridge;
+pub use desk::{
+    ComponentDesk, ComponentWatch, DeskComponent, DeskOrder, DeskWish, PendingOrder, StateChange,
+};
 pub use mapped::{MappedTopic, RosDirection};
 pub use operation::{MappedFeedback, MappedOperation, OperationSchemas};
 pub use operation_type::{CALL, CANCEL, OperationKind, OperationType};
 pub use ros1::{Ros1Settings, Ros1Transport};
 #[cfg(feature = "ros2")]
 pub use ros2::{Ros2Settings, Ros2Transport};
-pub use transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};
+pub use shown::{ComponentDisplay, ShownComponent};
+pub use transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+pub use wake::Wake;

@@ -8,8 +8,8 @@ use asmotion_datum::{Datum, Schema};
 
 use crate::mapped::RosDirection;
 
-/// No server of ROS took the request.
-pub const NO_SERVER: &str = "NO_SERVER";
+/// No server of ROS took the request: a call goes to the next alternative of its reference.
+pub use asmotion_component::NO_SERVER;
 /// The server ended before it answered; it may have carried out the request.
 pub const SERVER_DIED: &str = "SERVER_DIED";
 /// The service failed, in its words.
@@ -44,6 +44,8 @@ pub struct MappedOperation {
     pub cancel: Option<OperationDeclaration>,
     /// Port with the feedback of the goals: an output (to ROS), or an input (from ROS).
     pub feedback: Option<MappedFeedback>,
+    /// Output with the results of goals that end without success (to ROS).
+    pub result: Option<MappedFeedback>,
     /// Service or action of ROS, such as `/make_plan`.
     pub ros: String,
     /// Type in ROS, such as `nav_msgs/GetPlan`.
@@ -52,7 +54,7 @@ pub struct MappedOperation {
     pub direction: RosDirection,
 }
 
-/// The port with the feedback of an action.
+/// The port with the feedback of an action, or with the results of goals that fail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedFeedback {
     /// Port of the bridge.
@@ -96,6 +98,8 @@ pub trait OperationCaller: Send {
 pub enum CallProgress {
     /// The server has told how far it is.
     Feedback(Datum),
+    /// A goal has ended without success, and with this result. Its end follows.
+    Failure(Datum),
     /// The call has ended.
     Ended {
         /// The call.

@@ -9,6 +9,7 @@ use asmotion_datum::{Datum, Schema};
 use asmotion_ros_interface::Catalogue;
 use asmotion_ros1::{ActionType, RosNotice, RosSettings, RosUri, ServiceType, TopicType};
 
+use crate::desk::ComponentWatch;
 use crate::mapped::MappedTopic;
 use crate::notices::Notices;
 use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
@@ -16,7 +17,10 @@ use crate::operation_type::{OperationKind, OperationType};
 use crate::ros1_operations::{
     Ros1GoalCaller, Ros1GoalServer, Ros1ServiceCaller, Ros1ServiceServer,
 };
-use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};
+use crate::ros1_parameters::Ros1Parameters;
+use crate::shown::{ComponentDisplay, ShownComponent};
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+use crate::wake::Wake;
 
 /// Settings of a node of ROS 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,7 +55,6 @@ fn topic_type(catalogue: &Catalogue, kind: &str) -> Result<TopicType, String> {
     TopicType::of(catalogue, &name).map_err(|error| error.to_string())
 }
 
-/// The type of a service or an action.
 impl RosTransport for Ros1Transport {
     fn schema(&self, kind: &str) -> Result<Schema, String> {
         topic_type(&self.catalogue, kind).map(|of| (*of.schema).clone())
@@ -155,6 +158,15 @@ impl RosConnection for Ros1Connection {
                 Box::new(server)
             }
         })
+    }
+
+    fn show(
+        &mut self,
+        shown: &[ShownComponent],
+        watch: ComponentWatch,
+    ) -> Result<Box<dyn ComponentDisplay>, String> {
+        let shown = Ros1Parameters::new(&self.node, self.notifier(), watch, shown);
+        Ok(Box::new(shown))
     }
 
     fn notices(&mut self) -> Vec<String> {

@@ -201,6 +201,7 @@ impl Ros1GoalCaller {
             GoalOutcome::Rejected => REJECTED,
             GoalOutcome::Lost => LOST,
         };
+        self.ended.extend(result.map(CallProgress::Failure));
         self.fail(call, code, text);
     }
 }
@@ -208,8 +209,8 @@ impl Ros1GoalCaller {
 impl OperationCaller for Ros1GoalCaller {
     fn call(&mut self, call: CallNumber, request: &Datum, timeout: Duration) {
         if !self.send(call, request) {
-            // before the caller's deadline, which would be a timeout
-            let wait = SERVER_WAIT.min(timeout.mul_f64(0.9));
+            // an alternative of the reference has the rest of the time
+            let wait = SERVER_WAIT.min(timeout / 2);
             let until = Instant::now() + wait;
             self.waiting.push((call, request.clone(), until));
         }

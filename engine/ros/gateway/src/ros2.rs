@@ -12,14 +12,18 @@ use asmotion_ros2::{
     Subscription, SubscriptionOptions,
 };
 
+use crate::desk::ComponentWatch;
 use crate::mapped::MappedTopic;
 use crate::notices::Notices;
 use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
 use crate::operation_type::{OperationKind, OperationType};
+use crate::ros2_components::Ros2Components;
 use crate::ros2_operations::{
     Ros2GoalCaller, Ros2GoalServer, Ros2ServiceCaller, Ros2ServiceServer,
 };
-use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport, Wake};
+use crate::shown::{ComponentDisplay, ShownComponent};
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+use crate::wake::Wake;
 
 /// Settings of a node of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -163,6 +167,15 @@ impl RosConnection for Ros2Connection {
                 Box::new(server)
             }
         })
+    }
+
+    fn show(
+        &mut self,
+        shown: &[ShownComponent],
+        watch: ComponentWatch,
+    ) -> Result<Box<dyn ComponentDisplay>, String> {
+        let shown = Ros2Components::new(&self.node, watch, shown, &self.wake)?;
+        Ok(Box::new(shown))
     }
 
     fn notices(&mut self) -> Vec<String> {

@@ -16,7 +16,7 @@ use crate::operation::{
     ABORTED, BAD_ARGUMENT, BAD_REPLY, CallNumber, CallProgress, LOST, NO_SERVER, OperationCaller,
     OperationServer, PREEMPTED, RECALLED, REJECTED, SERVER_DIED, ServedEnd, ServedRequest,
 };
-use crate::transport::Wake;
+use crate::wake::Wake;
 
 /// Time for which a request waits for a server, which another node may just be starting.
 const SERVER_WAIT: Duration = Duration::from_secs(2);
@@ -47,8 +47,8 @@ impl Waiting {
             call,
             request: request.clone(),
             timeout,
-            // before the caller's deadline, which would be a timeout
-            until: Instant::now() + SERVER_WAIT.min(timeout.mul_f64(0.9)),
+            // an alternative of the reference has the rest of the time
+            until: Instant::now() + SERVER_WAIT.min(timeout / 2),
         }
     }
 }
@@ -247,7 +247,9 @@ impl Ros2GoalCaller {
         replaced.retain_mut(|it| {
             while let Some(event) = it.goal.take() {
                 let is_end = it.goal.is_over();
-                progress.extend(told(it.call, event).filter(|_| is_end));
+                if is_end {
+                    progress.extend(told(it.call, event));
+                }
             }
             let is_due = it.since.is_some_and(|since| since.elapsed() >= REPLACEMENT);
             let has_ended = !goals.contains_key(&it.by);
@@ -322,13 +324,14 @@ impl Drop for Ros2GoalCaller {
 }
 
 /// What an event of a goal is for its caller.
-fn told(call: CallNumber, event: GoalEvent) -> Option<CallProgress> {
+fn told(call: CallNumber, event: GoalEvent) -> Vec<CallProgress> {
+    let mut progress = Vec::new();
     let result = match event {
         GoalEvent::Accepted
         | GoalEvent::Status(_)
         | GoalEvent::CancelAnswered(_)
-        | GoalEvent::CancelFailed(_) => return None,
-        GoalEvent::Feedback(feedback) => return Some(CallProgress::Feedback(feedback)),
+        | GoalEvent::CancelFailed(_) => return progress,
+        GoalEvent::Feedback(feedback) => return vec![CallProgress::Feedback(feedback)],
         GoalEvent::Rejected => Err(ServiceFault::new(REJECTED, "the server refuses the goal")),
         GoalEvent::Failed(CallError::Deadline { service, .. }) => {
             let detail = format!("`{service}` does not answer");
@@ -336,9 +339,14 @@ fn told(call: CallNumber, event: GoalEvent) -> Option<CallProgress> {
         }
         GoalEvent::Failed(error) => Err(fault(&error)),
         GoalEvent::Finished(GoalStatus::Succeeded, result) => Ok(result),
-        GoalEvent::Finished(status, result) => Err(failed(status, &result)),
+        GoalEvent::Finished(status, result) => {
+            let fault = failed(status, &result);
+            progress.push(CallProgress::Failure(result));
+            Err(fault)
+        }
     };
-    Some(CallProgress::Ended { call, result })
+    progress.push(CallProgress::Ended { call, result });
+    progress
 }
 
 /// The fault of a goal that ended without success. Results of Nav2 have an error code and a text.

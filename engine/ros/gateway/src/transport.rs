@@ -1,19 +1,18 @@
 //! How a bridge reaches the nodes of ROS; each generation of ROS implements it.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
 
+use crate::desk::ComponentWatch;
 use crate::mapped::MappedTopic;
 use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
+use crate::shown::{ComponentDisplay, ShownComponent};
+use crate::wake::Wake;
 
 /// What a transport without services and actions says.
 const NO_OPERATIONS: &str = "this bridge connects topics only";
-
-/// Requests a cycle of the bridge, from any thread.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// How a bridge reaches the nodes of ROS.
 pub trait RosTransport: Send {
@@ -66,6 +65,18 @@ pub trait RosConnection: Send {
     /// # Errors
     /// As [`publish`](Self::publish).
     fn offer(&mut self, _: &MappedOperation) -> Result<Box<dyn OperationServer>, String> {
+        Err(NO_OPERATIONS.to_owned())
+    }
+
+    /// Shows components to ROS: their properties as parameters, and their life cycle.
+    ///
+    /// # Errors
+    /// As [`publish`](Self::publish).
+    fn show(
+        &mut self,
+        _: &[ShownComponent],
+        _: ComponentWatch,
+    ) -> Result<Box<dyn ComponentDisplay>, String> {
         Err(NO_OPERATIONS.to_owned())
     }
 

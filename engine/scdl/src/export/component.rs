@@ -158,11 +158,14 @@ impl Exporter<'_> {
                 || pace.master.is_some()
         });
         let first = |listed: &[here::Listed]| listed.first().map(|it| it.name.span);
+        let shown = &component.special;
+        let parameters = shown.parameters.first().map(|it| it.name.span);
+        let managed = shown.managed.first().map(|it| it.name.span);
         let ports = first(&component.ports.inputs).or_else(|| first(&component.ports.outputs));
         let topics = first(&component.subscribe).or_else(|| first(&component.publish));
         let monitored = component.bind.monitored.first().map(|it| it.location.span);
         let out = component.bind.out.first().map(|it| it.location.span);
-        let rows: [(&str, Option<Span>); 10] = [
+        let rows: [(&str, Option<Span>); 12] = [
             ("the scheduling", scheduled.map(|pace| pace.span)),
             (
                 "the life cycle",
@@ -180,6 +183,8 @@ impl Exporter<'_> {
                 "the map",
                 (!component.special.map.is_empty()).then_some(name.span),
             ),
+            ("the parameters of ROS", parameters),
+            ("the managed nodes of ROS", managed),
             (
                 "the lengths of lists",
                 component.special.lengths.first().map(|it| it.span),

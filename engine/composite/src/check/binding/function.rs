@@ -288,7 +288,7 @@ fn written_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> boo
 }
 
 /// Looks up the function of a location; reports an error if it does not exist or if the arguments are not of its domain.
-pub(super) fn location(
+pub(in crate::check) fn location(
     signature: &dyn Signature,
     written: &At<String>,
     key: &[NamedValue<MessagePath>],
@@ -645,7 +645,11 @@ fn described(value: &Branch) -> String {
 }
 
 /// Checks that a literal belongs to the codomain of the function.
-pub(super) fn literal(function: &FunctionInfo, literal: &At<String>, report: &mut Report) {
+pub(in crate::check) fn literal(
+    function: &FunctionInfo,
+    literal: &At<String>,
+    report: &mut Report,
+) {
     let (domain, literals, declared) = match &function.codomain {
         Codomain::Enum {
             name,

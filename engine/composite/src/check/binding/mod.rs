@@ -17,6 +17,7 @@ use crate::model::Implementation;
 use crate::signature::Signature;
 
 pub use function::chosen_field;
+pub(super) use function::{literal, location};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for part in &scene.parts {

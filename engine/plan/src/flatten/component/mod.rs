@@ -125,6 +125,9 @@ fn special(
     if let Some(file) = &mut keys.protocol {
         *file = source.member.path(file).unwrap_or(file).to_owned();
     }
+    for (name, _) in keys.parameters.iter_mut().chain(&mut keys.managed) {
+        name.insert_str(0, source.prefix);
+    }
     // the ports of a port-proxy are those of its target
     if let Implementation::Builtin {
         target: Some(target),
