@@ -255,7 +255,7 @@ fn messages_of_peers_cross_a_bridge() {
     let mut seeds: Vec<_> = samples().iter().filter_map(of_ros_1).collect();
     seeds.extend(encoded(Codec::Cdr));
     assert!(seeds.len() > 2);
-    holds(ros_bridge, &seeds, false, 100);
+    holds(ros_bridge, &seeds, false, 20_000);
 }
 
 #[test]
