@@ -22,7 +22,11 @@ mod ros2;
 #[cfg(feature = "ros2")]
 mod ros2_components;
 #[cfg(feature = "ros2")]
+mod ros2_endpoint;
+#[cfg(feature = "ros2")]
 mod ros2_life_cycle;
+#[cfg(feature = "ros2")]
+mod ros2_managed;
 #[cfg(feature = "ros2")]
 mod ros2_operations;
 #[cfg(feature = "ros2")]

@@ -1,21 +1,18 @@
 //! Components as nodes of ROS 2: with the services of parameters, and of managed nodes.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
-use asmotion_component::State;
 use asmotion_datum::Datum;
-use asmotion_ros2::{Node, Publisher, Qos, ReplyTo, Server, ServiceMapping};
+use asmotion_ros2::{Node, Publisher, ReplyTo, Server};
 
 use crate::desk::{ComponentWatch, DeskComponent, DeskWish, PendingOrder};
-use crate::ros2_life_cycle::{NodeState, NodeTransition, events_of};
+use crate::ros2_endpoint::{publisher, reply, server, since_1970};
+use crate::ros2_managed::LifeCycleServers;
 use crate::ros2_parameter::{Parameter, list, not_set, parameters};
 use crate::shown::{Absences, ComponentDisplay, ShownComponent};
 use crate::wake::Wake;
 
-/// Requests that wait for the bridge, for each service.
-const WAITING: usize = 64;
 /// Parameters of one request: each is an answer in memory.
 const MOST: usize = 4096;
 
@@ -76,22 +73,6 @@ impl Ros2Components {
     }
 }
 
-/// A service of a node, such as `~/get_parameters`.
-fn server(node: &Node, name: &str, of: &str, wake: &Wake) -> Result<Server, String> {
-    let of = of.parse().map_err(|error| format!("{error}"))?;
-    let name = format!("~/{name}");
-    let server = node.server(&name, &of, ServiceMapping::OfPeer, WAITING);
-    let server = server.map_err(|error| error.to_string())?;
-    server.wake_with(Arc::clone(wake));
-    Ok(server)
-}
-
-fn publisher(node: &Node, topic: &str, of: &str, depth: usize) -> Result<Publisher, String> {
-    let of = of.parse().map_err(|error| format!("{error}"))?;
-    let publisher = node.publisher(topic, &of, Qos::default().depth(depth));
-    publisher.map_err(|error| error.to_string())
-}
-
 impl ComponentDisplay for Ros2Components {
     fn update(&mut self) -> Vec<String> {
         let mut notices = self.absences.notices(&self.watch);
@@ -117,11 +98,6 @@ impl ComponentDisplay for Ros2Components {
     fn patience(&self) -> Option<Duration> {
         None
     }
-}
-
-/// Answers a request. The client gets no response if it does not fit the type, which would be a mistake here.
-fn reply(server: &Server, to: &ReplyTo, response: &Datum) {
-    let _ = server.reply(to, response);
 }
 
 /// The services of a node with parameters.
@@ -398,11 +374,6 @@ fn texts(request: &Datum, field: &str) -> Vec<String> {
     texts.map(str::to_owned).collect()
 }
 
-fn since_1970() -> Duration {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.unwrap_or_default()
-}
-
 /// The time of the system as `builtin_interfaces/msg/Time`.
 fn stamp() -> Datum {
     let since = since_1970();
@@ -411,151 +382,4 @@ fn stamp() -> Datum {
         ("sec", Datum::Int(seconds)),
         ("nanosec", Datum::Int(since.subsec_nanos().into())),
     ])
-}
-
-/// The services of a managed node.
-struct LifeCycleServers {
-    change: Server,
-    state: Server,
-    states: Server,
-    transitions: Server,
-    graph: Server,
-    events: Publisher,
-    /// A client of ROS has shut the component down, and nobody has used it since.
-    is_shut_down: bool,
-    pending: Option<PendingTransition>,
-    waiting: Vec<(ReplyTo, Datum)>,
-}
-
-struct PendingTransition {
-    reply_to: ReplyTo,
-    transition: NodeTransition,
-    order: PendingOrder,
-}
-
-impl LifeCycleServers {
-    fn new(
-        node: &Node,
-        service: impl Fn(&str, &str) -> Result<Server, String>,
-    ) -> Result<Self, String> {
-        let of = |name: &str, kind: &str| service(name, &format!("lifecycle_msgs/srv/{kind}"));
-        let event = "lifecycle_msgs/msg/TransitionEvent";
-        Ok(Self {
-            change: of("change_state", "ChangeState")?,
-            state: of("get_state", "GetState")?,
-            states: of("get_available_states", "GetAvailableStates")?,
-            transitions: of("get_available_transitions", "GetAvailableTransitions")?,
-            graph: of("get_transition_graph", "GetAvailableTransitions")?,
-            events: publisher(node, "~/transition_event", event, 10)?,
-            is_shut_down: false,
-            pending: None,
-            waiting: Vec::new(),
-        })
-    }
-
-    fn node_state(&self, state: Option<State>) -> NodeState {
-        match state {
-            _ if self.is_shut_down => NodeState::Finalized,
-            // the system has just begun
-            None => NodeState::Unconfigured,
-            Some(state) => NodeState::of(state),
-        }
-    }
-
-    /// Publishes a change of the component's state.
-    fn changed(&mut self, from: State, to: State) {
-        let shuts_down = self.pending.as_ref();
-        if shuts_down.is_some_and(|it| it.transition.to == NodeState::Finalized) {
-            // published as one transition, when it has ended
-            return;
-        }
-        self.is_shut_down = false;
-        self.publish(events_of(from, to));
-    }
-
-    fn publish(&self, events: Vec<Datum>) {
-        let now = i64::try_from(since_1970().as_nanos()).unwrap_or(i64::MAX);
-        for event in events {
-            if let Datum::Record(mut fields) = event {
-                fields.push(("timestamp".into(), Datum::Int(now)));
-                // a full queue keeps the newest
-                let _ = self.events.send(&Datum::Record(fields));
-            }
-        }
-    }
-
-    fn update(
-        &mut self,
-        state: Option<State>,
-        (component, node): (&str, &str),
-        watch: &ComponentWatch,
-    ) -> Vec<String> {
-        let mut notices = self.take_result(node);
-        while let Some(request) = self.change.take() {
-            self.waiting.push((request.reply_to, request.request));
-        }
-        while self.pending.is_none() && !self.waiting.is_empty() {
-            let (reply_to, request) = self.waiting.remove(0);
-            let from = self.node_state(state);
-            let (Some(state), Some(transition)) =
-                (state, NodeTransition::requested(from, &request))
-            else {
-                let wanted = request.get("transition").unwrap_or_default();
-                notices.push(format!(
-                    "`{node}` cannot make the transition {wanted}: it is {}",
-                    from.message()
-                ));
-                self.succeed(&reply_to, false);
-                continue;
-            };
-            let wish = DeskWish::Transitions(transition.of_component(state));
-            self.pending = Some(PendingTransition {
-                reply_to,
-                transition,
-                order: watch.order(component, wish),
-            });
-        }
-        let now = self.node_state(state);
-        let answer = |server: &Server, response: &dyn Fn() -> Datum| {
-            while let Some(request) = server.take() {
-                reply(server, &request.reply_to, &response());
-            }
-        };
-        answer(&self.state, &|| {
-            Datum::record([("current_state", now.message())])
-        });
-        answer(&self.states, &NodeState::all);
-        answer(&self.transitions, &|| NodeTransition::available(now));
-        answer(&self.graph, &NodeTransition::graph);
-        notices
-    }
-
-    fn take_result(&mut self, node: &str) -> Vec<String> {
-        let Some(pending) = self.pending.take() else {
-            return Vec::new();
-        };
-        let Some(result) = pending.order.try_take() else {
-            self.pending = Some(pending);
-            return Vec::new();
-        };
-        self.succeed(&pending.reply_to, result.is_ok());
-        match result {
-            Err(reason) => {
-                let label = pending.transition.label;
-                vec![format!("`{node}`: the transition {label} failed: {reason}")]
-            }
-            Ok(()) => {
-                if pending.transition.to == NodeState::Finalized {
-                    self.is_shut_down = true;
-                    self.publish(pending.transition.events());
-                }
-                Vec::new()
-            }
-        }
-    }
-
-    fn succeed(&self, to: &ReplyTo, success: bool) {
-        let response = Datum::record([("success", Datum::Bool(success))]);
-        reply(&self.change, to, &response);
-    }
 }
