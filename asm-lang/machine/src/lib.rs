@@ -8,6 +8,7 @@
 
 mod agent_messages;
 pub mod back_end;
+mod background;
 mod bounds;
 mod choose;
 mod compile;

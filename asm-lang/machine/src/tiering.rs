@@ -1,6 +1,7 @@
 //! The implementation of a machine's steps: closures at first, native code once that pays off.
 
 use crate::back_end::BackEnd;
+use crate::background;
 use crate::machine::Machine;
 use crate::run::code::{CompiledProgram, NativeCompiler, NoNativeCode};
 use asmotion_ir::Program;
@@ -140,17 +141,14 @@ impl Machine {
         }
         let (program, code) = (self.program.clone(), self.code.clone());
         let slots = self.state.store.slots.clone();
-        let compile = move || {
+        background::run(Box::new(move || {
             compile(&Compilation {
                 program: &program,
                 code: &code,
                 compiler: Some(compiler),
                 slots: &slots,
             });
-        };
-        let name = "native-compiler".to_owned();
-        // without a thread, closures continue
-        drop(std::thread::Builder::new().name(name).spawn(compile));
+        }));
     }
 
     /// Returns `true` if the direct rule can be tried for the next step; compiles it once enough work was done.

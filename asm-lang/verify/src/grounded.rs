@@ -8,8 +8,10 @@ mod independence;
 mod layout;
 mod machine_steps;
 mod run;
+mod shared_steps;
 mod steps;
 mod store;
+mod stored_words;
 mod symmetry;
 
 use crate::explore::{Conditions, Exploration, ExplorationError, ExplorationOptions, Progress};

@@ -4,23 +4,21 @@ use super::cases::InputCases;
 use super::command::{CompiledCondition, ConditionCode, GroundTruth, StepCode};
 use super::independence::Independence;
 use super::layout::{WordLayout, Words};
-use super::machine_steps::{NotWords, WordMachine, words_of};
-use super::steps::{GroundedSteps, KnownNodes, ReachedWords, StateSteps, StepsOfStates};
+use super::machine_steps::{NotWords, WordMachine};
+use super::shared_steps::find_shared;
+use super::steps::{GroundedSteps, KnownNodes, ReachedWords, StateSteps};
 use super::store::{HashedState, WordStore};
+use super::stored_words::StoredWords;
 use super::symmetry::WordSymmetry;
 use super::{Grounded, GroundedStep};
 use crate::explore::{
     Conditions, Exploration, ExplorationError, ExplorationOptions, Incomplete, Progress, Reached,
-    WordStates,
 };
 use crate::fair_moves::{FairMoves, MovedSet};
 use crate::inputs::InputRanges;
-use asmotion_ground::{FAULT, GroundProgram, accesses_of_term};
+use asmotion_ground::{FAULT, accesses_of_term};
 use asmotion_lang::{Machine, Value};
 use rustc_hash::FxHashMap;
-use std::fmt;
-use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The subject and the limits of an exploration.
 pub(crate) struct RunRequest<'a> {
@@ -52,9 +50,6 @@ impl From<NotWords> for StoppedRun {
         }
     }
 }
-
-/// Number of states that a thread takes at a time.
-const PART_STATES: u32 = 256;
 
 /// Number of states in a round for each thread. A round is small, so that its results take little memory.
 const ROUND_STATES: u32 = 2048;
@@ -578,98 +573,4 @@ fn sum(mut all: Vec<u64>, others: impl Iterator<Item = Vec<u64>>) -> Vec<u64> {
         }
     }
     all
-}
-
-/// Finds the successors of consecutive states with several threads; returns them in order.
-fn find_shared<const W: usize>(
-    own: &mut GroundedSteps<'_, W>,
-    others: &mut [GroundedSteps<'_, W>],
-    states: Range<u32>,
-    known: KnownNodes<'_, W>,
-) -> Vec<StepsOfStates<W>> {
-    let next = AtomicU32::new(states.start);
-    let work = |steps: &mut GroundedSteps<'_, W>| {
-        let mut done = Vec::new();
-        loop {
-            let start = next.fetch_add(PART_STATES, Ordering::Relaxed);
-            if start >= states.end {
-                return done;
-            }
-            let end = start.saturating_add(PART_STATES).min(states.end);
-            done.push((start, steps.find_all(start..end, known)));
-        }
-    };
-    let mut all = std::thread::scope(|scope| {
-        let work = &work;
-        let running = others
-            .iter_mut()
-            .map(|steps| scope.spawn(move || work(steps)));
-        let running: Vec<_> = running.collect();
-        let mut all = work(own);
-        for thread in running {
-            match thread.join() {
-                Ok(done) => all.extend(done),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        all
-    });
-    all.sort_by_key(|(start, _)| *start);
-    all.into_iter().map(|(_, found)| found).collect()
-}
-
-/// The states of a finished exploration.
-struct StoredWords<const W: usize> {
-    store: WordStore<W>,
-    program: GroundProgram,
-    layout: WordLayout,
-    machine: Machine,
-    symmetry: Option<WordSymmetry>,
-}
-
-impl<const W: usize> fmt::Debug for StoredWords<W> {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        to.debug_struct("StoredWords")
-            .field("states", &self.store.len())
-            .finish_non_exhaustive()
-    }
-}
-
-impl<const W: usize> WordStates for StoredWords<W> {
-    fn len(&self) -> usize {
-        self.store.len()
-    }
-
-    fn bytes(&self, state: u32) -> Vec<u8> {
-        let mut machine = self.machine.clone();
-        let slots = machine.slots_mut();
-        let words = self.store.get(state).unwrap_or([0; W]);
-        for (variable, field) in self.program.variables.iter().zip(&self.layout.fields) {
-            if let Some(slot) = slots.get_mut(variable.slot as usize) {
-                *slot = variable.sort.value(field.number(field.get(&words)));
-            }
-        }
-        let mut bytes = Vec::new();
-        machine.pack_state(&mut bytes);
-        bytes
-    }
-
-    fn number_of(&self, machine: &Machine) -> Option<u32> {
-        let state = words_of(&self.program, &self.layout, machine)?;
-        let symmetry = self.symmetry.as_ref();
-        let state = symmetry.map_or(state, |symmetry| symmetry.canonical(&state));
-        self.store.find(&HashedState::of(state)).ok()
-    }
-
-    fn is_compact(&self) -> bool {
-        self.store.is_compact()
-    }
-
-    fn is_symmetric(&self) -> bool {
-        self.symmetry.is_some()
-    }
-
-    fn memory(&self) -> usize {
-        self.store.memory()
-    }
 }
