@@ -95,7 +95,8 @@ pub fn in_terms_of_composite(verification: &mut Verification, environment: &Mode
                 | Note::Fails(_)
                 | Note::Unmet(_)
                 | Note::Irrelevant(_)
-                | Note::Unfair { .. } => true,
+                | Note::Unfair { .. }
+                | Note::FailingSteps => true,
             });
             if property.notes.is_empty() && !matches!(property.verdict, Verdict::Unknown) {
                 property.verdict = Verdict::Holds(None);

@@ -3,7 +3,6 @@
 use crate::known::KnownTerm;
 use crate::program::{
     FAULT, GroundProgram, GroundRule, GroundTerm, InputVariable, Permitted, Sort, StateVariable,
-    UNDEF,
 };
 use crate::ranges;
 use asmotion_ir::{
@@ -157,7 +156,8 @@ impl Grounding<'_> {
                         permitted: permitted.clone(),
                         range: (initial, initial),
                         is_bounded: false,
-                        may_be_undef: initial == UNDEF,
+                        // until the updates are known
+                        may_be_undef: true,
                     })
             });
             // a function with an initial value of another kind is left to the machine

@@ -38,6 +38,11 @@ impl Grounding<'_> {
         if !is_pure(builtin) {
             return KnownTerm::Unknown;
         }
+        if let [KnownTerm::Term(term, _)] = arguments.as_slice()
+            && let Some(is_undef) = definedness(builtin, term)
+        {
+            return KnownTerm::of(is_undef, Sort::Bool);
+        }
         let mut indices = Vec::new();
         let mut domains: Vec<Vec<Value>> = Vec::new();
         let mut size = 1usize;
@@ -112,6 +117,16 @@ impl Grounding<'_> {
             return Some((0, 1));
         }
         ranges::permitted_bounds(term, &self.variables, &self.inputs)
+    }
+}
+
+/// Grounds `isDef` and `isUndef`, whose argument can have any range.
+fn definedness(builtin: &Builtin, argument: &GroundTerm) -> Option<GroundTerm> {
+    let is_undef = || fold::equal(argument.clone(), GroundTerm::Constant(UNDEF));
+    match builtin.name {
+        "isUndef" => Some(is_undef()),
+        "isDef" => Some(fold::not(is_undef())),
+        _ => None,
     }
 }
 

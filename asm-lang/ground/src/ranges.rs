@@ -213,11 +213,9 @@ pub(crate) fn estimate(program: &mut GroundProgram) {
     let mut updates = Vec::new();
     let mut needs_machine = false;
     collect(&rule, &mut Vec::new(), &mut updates, &mut needs_machine);
-    if needs_machine {
+    for variable in &mut program.variables {
         // a machine may give any variable any permitted value
-        for variable in &mut program.variables {
-            variable.may_be_undef = true;
-        }
+        variable.may_be_undef = needs_machine || variable.initial == UNDEF;
     }
     undefined(program, &updates);
     for variable in &mut program.variables {

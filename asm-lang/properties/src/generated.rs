@@ -324,10 +324,14 @@ impl Generator<'_> {
                 self.integer(deeper, scope),
                 self.integer(deeper, scope)
             ),
-            3 => format!(
-                "({} = undef)",
-                ["a", "s", "p", "f(2)"][usize::from(self.of(4))]
-            ),
+            3 => {
+                let location = ["a", "s", "p", "f(2)"][usize::from(self.of(4))];
+                match depth % 3 {
+                    0 => format!("({location} = undef)"),
+                    1 => format!("isUndef({location})"),
+                    _ => format!("(not isDef({location}))"),
+                }
+            }
             4 => format!(
                 "({} and {})",
                 self.truth(deeper, scope),

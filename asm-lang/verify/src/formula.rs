@@ -2,7 +2,7 @@
 
 use asmotion_diagnostics::Span;
 use asmotion_lang::hir::{
-    AddedTerm, Binder, Body, Function, Model, Quantifier, Term, TermKind, VarId, Variable,
+    AddedTerm, Binder, Body, Function, Model, Quantifier, Term, TermKind, Type, VarId, Variable,
 };
 use asmotion_lang::{Machine, Value};
 use std::collections::BTreeMap;
@@ -374,8 +374,11 @@ impl Translation<'_, '_> {
         let TermKind::Extent(ty) = &*range.kind else {
             return None;
         };
-        let domain = self.formulas.model.types.get(*ty).as_domain()?;
-        let domain = asmotion_lang::ir::DomainId(domain.0);
+        let ty = self.formulas.model.types.get(*ty);
+        if matches!(ty, Type::Boolean) {
+            return Some(vec![Value::Bool(false), Value::Bool(true)]);
+        }
+        let domain = asmotion_lang::ir::DomainId(ty.as_domain()?.0);
         let program = self.formulas.machine.program();
         let shape = asmotion_lang::ir::ValueShape::Domain(domain);
         match program.named_elements(&shape) {

@@ -107,4 +107,6 @@ pub enum Note {
     },
     /// Further places where it is violated.
     Also(Vec<String>),
+    /// Some steps fail. They have no next state, which can be the reason for the violation.
+    FailingSteps,
 }

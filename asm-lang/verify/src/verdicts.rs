@@ -189,6 +189,9 @@ impl<S: TransitionSystem> Judge<'_, S> {
         }
         let run = |path: &NodePath| Box::new(self.replay.run(path));
         if let Some(path) = checked.path {
+            if !self.replay.exploration.faults.is_empty() {
+                notes.push(Note::FailingSteps);
+            }
             let path = self.simplest_violation(property, path);
             let mut run = run(&path);
             if path.cycle.is_none() {

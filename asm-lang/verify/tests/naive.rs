@@ -108,17 +108,25 @@ impl Random {
     }
 
     pub fn condition(&mut self, depth: u32) -> String {
-        match self.below(if depth == 0 { 4 } else { 7 }) {
+        match self.below(if depth == 0 { 5 } else { 8 }) {
             0 => self.one_of(&["left", "right", "p", "q"]).to_owned(),
             1 => format!("n = {}", self.below(4)),
             2 => format!("n < m({})", self.below(3)),
             3 => format!("m({}) != {}", self.below(3), self.below(3)),
-            4 => format!(
+            4 => {
+                let location = self.one_of(&["colour", "p", "n", "m(0)"]);
+                match self.below(3) {
+                    0 => format!("isDef({location})"),
+                    1 => format!("isUndef({location})"),
+                    _ => "colour = RED".to_owned(),
+                }
+            }
+            5 => format!(
                 "({} and {})",
                 self.condition(depth - 1),
                 self.condition(depth - 1)
             ),
-            5 => format!(
+            6 => format!(
                 "({} or {})",
                 self.condition(depth - 1),
                 self.condition(depth - 1)
@@ -128,7 +136,7 @@ impl Random {
     }
 
     fn rule(&mut self, depth: u32) -> String {
-        match self.below(if depth == 0 { 5 } else { 10 }) {
+        match self.below(if depth == 0 { 6 } else { 11 }) {
             0 => format!("p := {}", self.condition(1)),
             1 => format!("q := {}", self.condition(1)),
             2 => format!(
@@ -138,26 +146,27 @@ impl Random {
             3 => format!(
                 "m({}) := {}",
                 self.below(3),
-                self.one_of(&["0", "1", "(n + 2) mod 3", "2"])
+                self.one_of(&["0", "1", "(n + 2) mod 3", "2", "undef"])
             ),
             4 => "skip".to_owned(),
-            5 => format!(
+            5 => format!("colour := {}", self.one_of(&["RED", "GREEN", "undef"])),
+            6 => format!(
                 "if {} then {} endif",
                 self.condition(2),
                 self.rule(depth - 1)
             ),
-            6 => format!(
+            7 => format!(
                 "if {} then {} else {} endif",
                 self.condition(2),
                 self.rule(depth - 1),
                 self.rule(depth - 1)
             ),
-            7 => format!(
+            8 => format!(
                 "par {} {} endpar",
                 self.rule(depth - 1),
                 self.rule(depth - 1)
             ),
-            8 => format!(
+            9 => format!(
                 "seq {} {} endseq",
                 self.rule(depth - 1),
                 self.rule(depth - 1)
@@ -178,10 +187,12 @@ import StandardLibrary
 signature:
   domain Index subsetof Integer
   domain Number subsetof Integer
+  enum domain Colour = {{RED | GREEN}}
   monitored left: Boolean
   monitored right: Boolean
   controlled p: Boolean
   controlled q: Boolean
+  controlled colour: Colour
   controlled n: Number
   controlled m: Index -> Index
 definitions:
@@ -191,6 +202,7 @@ definitions:
 default init s0:
   function p = false
   function q = true
+  function colour = RED
   function n = 1
   function m($i in Index) = $i
 "

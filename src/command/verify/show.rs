@@ -234,6 +234,10 @@ fn show_note(property: &CheckedProperty, note: &Note, terminal: &mut TerminalOut
         Note::Unfair { all: false } => {
             "from some initial states no run satisfies the fairness constraints".to_owned()
         }
+        Note::FailingSteps => {
+            "steps that fail have no next state; a state in which every step fails stays for ever"
+                .to_owned()
+        }
         Note::Also(places) => {
             let word = if property.kind == PropertyKind::RulesRun {
                 "never run"

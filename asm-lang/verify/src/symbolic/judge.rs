@@ -203,6 +203,9 @@ impl<'a> SymbolicJudge<'a> {
             FairPaths::FromNone => notes.push(Note::Unfair { all: true }),
         }
         if !checked.violated.is_empty() {
+            if !self.model.faults(self.reached)?.is_empty() {
+                notes.push(Note::FailingSteps);
+            }
             return Ok(Verdict::Violated(self.run_of_paths(property)?));
         }
         if checked.fair != FairPaths::FromNone {

@@ -86,7 +86,8 @@ impl Symbolic<'_> {
         }
     }
 
-    /// Returns the decisions of a step that fails in this way.
+    /// Returns the decisions of a step that fails in this way, or in another one if none does: of several inconsistent updates of a step,
+    /// a machine may report another one than the model.
     pub(super) fn failing(
         &self,
         (state, inputs): &WalkedNode,
@@ -95,17 +96,19 @@ impl Symbolic<'_> {
     ) -> Option<Vec<Decision>> {
         let mut system = self.system();
         let decisions = Decisions::default();
+        let mut other = None;
         loop {
             system.restore(state);
             if let Err(fault) = system.step(&decisions, inputs)
                 && let Some(fault) = fault.step()
-                && fault.origin == origin
-                && FaultClass::of(&fault.kind) == class
             {
-                return Some(decisions.taken());
+                if fault.origin == origin && FaultClass::of(&fault.kind) == class {
+                    return Some(decisions.taken());
+                }
+                other.get_or_insert_with(|| decisions.taken());
             }
             if !decisions.advance() {
-                return None;
+                return other;
             }
         }
     }
