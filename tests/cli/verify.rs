@@ -32,7 +32,11 @@ fn every_specification_of_the_repository_that_can_be_verified_is_correct() {
             name => name,
         };
         let (exit, out, err) = run(&["verify", &format!("{folder}/{specification}.asm")]);
-        assert_eq!((exit, err.as_str()), (0, ""), "{name}: {out}");
+        // a slow verification reports its progress
+        let mut messages = err
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("Exploring "));
+        assert_eq!((exit, messages.next()), (0, None), "{name}: {out}");
         assert!(out.contains(" 0 violated, 0 not known"), "{out}");
     }
 }

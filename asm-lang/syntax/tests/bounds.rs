@@ -203,8 +203,9 @@ fn noise_ends_soon() {
             noise(before, &word.repeat(1_000_000 / word.len()));
         }
     }
+    // 10 s on idle cores; quadratic effort would take hours
     assert!(
-        begin.elapsed() < Duration::from_secs(60),
+        begin.elapsed() < Duration::from_secs(600),
         "took {:?}",
         begin.elapsed()
     );

@@ -11,6 +11,7 @@ mod bad_input;
 mod bad_systems;
 mod compared_inputs;
 mod cone;
+mod corpus;
 mod counts;
 mod environments;
 mod fairness;
