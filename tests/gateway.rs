@@ -638,10 +638,10 @@ fn c5_a_reply_of_another_type_than_that_of_its_operation_is_a_failed_call() {
 /// The error of the last reply that a run has reported.
 fn last_error(output: &std::process::Output) -> Value {
     let text = String::from_utf8_lossy(&output.stdout);
-    let lines = text
+    let mut lines = text
         .lines()
         .map(|it| serde_json::from_str::<Value>(it).unwrap());
-    let reply = lines.filter(|it| it["type"] == "reply").next_back();
+    let reply = lines.rfind(|it| it["type"] == "reply");
     reply.unwrap_or_else(|| panic!("{output:?}"))["error"].clone()
 }
 

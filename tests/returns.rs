@@ -299,7 +299,7 @@ fn commands_after_the_driver_is_killed_and_starts_again_are_new_ones_and_the_oth
             assert!(reason.contains("earlier run of this process"), "{reason}");
             let counted = format!("{lost} messages lost");
             assert!(info.contains(&counted), "{counted}: {info}{err}");
-            let missed = lines.iter().filter_map(missed_of).last();
+            let missed = lines.iter().filter_map(missed_of).next_back();
             assert_eq!(missed, Some(lost));
         }
         drop(lines);

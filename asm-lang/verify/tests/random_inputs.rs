@@ -190,7 +190,7 @@ fn inputs_of_the_initial_state_are_those_of_the_first_step() {
         let [input] = step.inputs() else {
             panic!("{:?}", step.inputs());
         };
-        assert_eq!(step.before(), [input.value.clone()]);
+        assert_eq!(step.before(), std::slice::from_ref(&input.value));
     }
 }
 

@@ -11,6 +11,8 @@ use asmotion_component::{
 use asmotion_datum::Datum;
 use asmotion_runtime::{Log, Run, System};
 
+type NewComponent = Box<dyn FnOnce(&mut Interface) -> Box<dyn Component>>;
+
 type Replies = Arc<Mutex<Vec<(Time, Result<i64, CallError>)>>>;
 
 /// Calls `double` once with 21, and records the reply.
@@ -776,9 +778,7 @@ fn c4_a_call_goes_to_the_first_alternative_that_is_available() {
 }
 
 /// A bridge to another system, where no server is.
-fn bridge_without_server(
-    code: &'static str,
-) -> Box<dyn FnOnce(&mut Interface) -> Box<dyn Component>> {
+fn bridge_without_server(code: &'static str) -> NewComponent {
     Box::new(behaviour(move |interface| {
         let double = interface.serve::<Double>("sums", "of another system");
         move |cycle| {
@@ -801,7 +801,7 @@ fn c4_a_bridge_without_a_server_lets_the_next_alternative_be_tried() {
     ] {
         let replies = Replies::default();
         let wire = || Wire::timeout(100.ms());
-        let here: Box<dyn FnOnce(&mut Interface) -> Box<dyn Component>> = Box::new(doubler());
+        let here: NewComponent = Box::new(doubler());
         let providers = vec![(bridge_without_server(code), wire()), (here, wire())];
         let (system, _) = with_alternatives(&replies, providers);
         system.simulate().run_for(1.s());
