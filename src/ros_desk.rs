@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use asmotion_component::{State, Time, Transition};
 use asmotion_plan::Plan;
-use asmotion_ros_gateway::{ComponentDesk, DeskComponent, DeskOrder, DeskWish};
+use asmotion_ros_gateway::{ComponentDesk, DeskChange, DeskComponent, DeskOrder};
 use asmotion_runtime::{Asked, Event, Run, RunError, System};
 
 /// Longest time until the observers of a run hear of a state that it has.
@@ -108,12 +108,12 @@ impl RosDesk {
 
 impl PendingOrder {
     fn begin(&mut self, run: &mut dyn Run) -> Result<(), RunError> {
-        match &self.order.wish {
-            DeskWish::Set(values) => {
+        match &self.order.change {
+            DeskChange::Set(values) => {
                 let asked = run.begin_set_properties(&self.order.component, values)?;
                 self.asked = Some(asked);
             }
-            DeskWish::Transitions(transitions) => {
+            DeskChange::Transitions(transitions) => {
                 self.next = transitions.iter().copied().collect();
                 self.begin_next(run)?;
             }
@@ -148,7 +148,7 @@ impl PendingOrder {
             }
         }
         let component = &self.order.component;
-        if let DeskWish::Set(values) = &self.order.wish {
+        if let DeskChange::Set(values) = &self.order.change {
             desk.properties_set(component, values);
         } else {
             // its caller reads the state that it has brought about

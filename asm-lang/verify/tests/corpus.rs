@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Where the tests of AsmetaSMV and their specifications are.
+/// Folder of the corpus with the tests of AsmetaSMV and their specifications.
 const PROJECT: &str = "code/extensions/asmetasmv/asmeta.smv.test";
 
 /// The files with its statements about all properties of a specification.

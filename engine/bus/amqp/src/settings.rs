@@ -27,9 +27,8 @@ pub struct AmqpSettings {
     pub robot: Option<String>,
     /// Name of the process, shown to operators with its connections and queues.
     pub process: String,
-    /// Whether a process of this name comes back after a crash: its event queues have the same names in every run, and a run
-    /// discards, and counts, the messages that wait in those of an earlier one. Default: `false`; each bus then has queues of
-    /// its own, as tools need them.
+    /// `true` if the event queues have the same names in every run of the process. A run then discards and counts the messages
+    /// that an earlier one left in them. `false`, the default, gives each bus queues of its own, which tools need.
     pub returns: bool,
     /// Name of the topic exchange.
     pub exchange: String,

@@ -2,8 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Messages that go round between bridges
 ///
-/// What one bridge sends to a topic of ROS, another one brings back, so that every message goes round for ever. A single bridge
-/// that maps a topic in both directions suppresses its own messages.
+/// One bridge sends the messages of a connection to a topic of ROS, and another bridge brings them back: every message goes round for
+/// ever. A single bridge that maps a topic in both directions suppresses its own messages.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

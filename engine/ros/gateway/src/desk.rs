@@ -54,9 +54,9 @@ impl DeskComponent {
     }
 }
 
-/// What a bridge wants of a component.
+/// A change that a bridge orders.
 #[derive(Clone, Debug, PartialEq)]
-pub enum DeskWish {
+pub enum DeskChange {
     /// Sets properties, all or none.
     Set(Vec<(String, Datum)>),
     /// Makes transitions of the life cycle, one after the other.
@@ -65,10 +65,10 @@ pub enum DeskWish {
 
 /// An order of a bridge.
 pub struct DeskOrder {
-    /// The component.
+    /// Name of the component to change.
     pub component: String,
-    /// What the bridge wants.
-    pub wish: DeskWish,
+    /// The change to make.
+    pub change: DeskChange,
     reply: mpsc::Sender<Result<(), String>>,
     wake: Wake,
 }
@@ -85,7 +85,7 @@ impl DeskOrder {
 /// A component changed its state.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StateChange {
-    /// The component.
+    /// Name of the component.
     pub component: String,
     /// State before.
     pub from: State,
@@ -301,11 +301,11 @@ impl ComponentWatch {
     }
 
     /// Gives an order.
-    pub fn order(&self, component: &str, wish: DeskWish) -> PendingOrder {
+    pub fn order(&self, component: &str, change: DeskChange) -> PendingOrder {
         let (reply, result) = mpsc::channel();
         self.desk.lock().orders.push_back(DeskOrder {
             component: component.to_owned(),
-            wish,
+            change,
             reply,
             wake: Arc::clone(&self.queue.wake),
         });
@@ -398,12 +398,12 @@ mod tests {
         assert_eq!(watch.component("Arm").unwrap().state, State::Running);
         let changes = watch.take_state_changes();
         assert_eq!(changes.len(), 1);
-        let pending = watch.order("Arm", DeskWish::Transitions(vec![Transition::Stop]));
+        let pending = watch.order("Arm", DeskChange::Transitions(vec![Transition::Stop]));
         assert!(pending.try_take().is_none());
         let order = desk.take_order().unwrap();
         order.end(Err("no".to_owned()));
         assert_eq!(pending.try_take(), Some(Err("no".to_owned())));
-        let pending = watch.order("Arm", DeskWish::Set(Vec::new()));
+        let pending = watch.order("Arm", DeskChange::Set(Vec::new()));
         drop(desk.take_order());
         assert!(pending.try_take().unwrap().is_err());
     }

@@ -39,7 +39,7 @@ mod wake;
 pub use asmotion_bridge::FieldConverter;
 pub use bridge::RosBridge;
 pub use desk::{
-    ComponentDesk, ComponentWatch, DeskComponent, DeskOrder, DeskWish, PendingOrder, StateChange,
+    ComponentDesk, ComponentWatch, DeskChange, DeskComponent, DeskOrder, PendingOrder, StateChange,
 };
 pub use mapped::{MappedTopic, RosDirection};
 pub use operation::{MappedFeedback, MappedOperation, OperationSchemas};

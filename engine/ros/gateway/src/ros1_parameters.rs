@@ -11,7 +11,7 @@ use asmotion_component::declaration::PropertyDeclaration;
 use asmotion_datum::Datum;
 use asmotion_ros1::RosNode;
 
-use crate::desk::{ComponentWatch, DeskWish, PendingOrder};
+use crate::desk::{ComponentWatch, DeskChange, PendingOrder};
 use crate::shown::{Absences, ComponentDisplay, ShownComponent};
 
 /// Time for the master to set a parameter.
@@ -162,7 +162,7 @@ impl Ros1Parameter {
         if is_news {
             let set = vec![(self.property.clone(), newest.clone())];
             // an earlier one has been replaced: its answer is of no interest
-            self.ordered = Some(watch.order(&self.component, DeskWish::Set(set)));
+            self.ordered = Some(watch.order(&self.component, DeskChange::Set(set)));
         }
         if self.sent.is_some() {
             // the master may have taken this value before the one on its way

@@ -6,7 +6,7 @@ use std::time::Duration;
 use asmotion_datum::Datum;
 use asmotion_ros2::{Node, Publisher, ReplyTo, Server};
 
-use crate::desk::{ComponentWatch, DeskComponent, DeskWish, PendingOrder};
+use crate::desk::{ComponentWatch, DeskChange, DeskComponent, PendingOrder};
 use crate::ros2_endpoint::{publisher, reply, server, since_1970};
 use crate::ros2_managed::LifeCycleServers;
 use crate::ros2_parameter::{Parameter, list, not_set, parameters};
@@ -311,15 +311,15 @@ impl PendingSet {
                 Err(reason) => self.refuse(index, reason),
                 Ok(()) if self.is_atomic => together.push(index),
                 Ok(()) => {
-                    let wish = DeskWish::Set(std::mem::take(&mut values));
+                    let change = DeskChange::Set(std::mem::take(&mut values));
                     self.ordered
-                        .push((vec![index], watch.order(component, wish)));
+                        .push((vec![index], watch.order(component, change)));
                 }
             }
         }
         let is_refused = self.results.iter().any(Option::is_some);
         if self.is_atomic && !is_refused && !together.is_empty() {
-            let order = watch.order(component, DeskWish::Set(values));
+            let order = watch.order(component, DeskChange::Set(values));
             self.ordered.push((together, order));
         }
     }

@@ -4,7 +4,7 @@ use asmotion_component::State;
 use asmotion_datum::Datum;
 use asmotion_ros2::{Node, Publisher, ReplyTo, Server};
 
-use crate::desk::{ComponentWatch, DeskWish, PendingOrder};
+use crate::desk::{ComponentWatch, DeskChange, PendingOrder};
 use crate::ros2_endpoint::{publisher, reply, since_1970};
 use crate::ros2_life_cycle::{NodeState, NodeTransition, events_of};
 
@@ -104,11 +104,11 @@ impl LifeCycleServers {
                 self.succeed(&reply_to, false);
                 continue;
             };
-            let wish = DeskWish::Transitions(transition.of_component(state));
+            let change = DeskChange::Transitions(transition.of_component(state));
             self.pending = Some(PendingTransition {
                 reply_to,
                 transition,
-                order: watch.order(component, wish),
+                order: watch.order(component, change),
             });
         }
         let now = self.node_state(state);

@@ -28,7 +28,7 @@ struct EndedRequest<Id> {
     until: Instant,
 }
 
-/// What exceeds the limits after a request has ended.
+/// Remembered requests beyond the limits, to be forgotten when another one has ended.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Excess<Id> {
     /// The request to be forgotten.
