@@ -1,8 +1,11 @@
 //! Measures the cost of building `asmotion` by sets of Cargo features, and reads the recorded
 //! figures.
 //!
-//! The unit is CPU seconds, user and system, of all processes that cargo starts. Unlike wall time,
-//! they are nearly the same on a busy machine.
+//! The unit is CPU seconds, user and system, of all processes that cargo starts. Unlike wall time, they are nearly the same on a
+//! busy machine. They still depend on its processors: the same build was counted as 346, 480 and 561. So each figure is scaled by
+//! the time that a [reference crate](reference) takes to compile in the same run.
+
+mod reference;
 
 use crate::table::Rows;
 use std::path::Path;
@@ -66,6 +69,9 @@ pub enum BuildError {
         /// Exit status of cargo.
         status: ExitStatus,
     },
+    /// The reference crate does not compile.
+    #[error("rustc does not compile the reference crate: {0}")]
+    Reference(ExitStatus),
     /// `/proc/self/stat` has another format.
     #[error("cannot read the CPU time of child processes from /proc/self/stat")]
     NoCpuTime,
@@ -82,12 +88,26 @@ pub fn set(name: &str) -> Result<&'static FeatureSet, BuildError> {
     })
 }
 
-/// Builds a set in a target folder and returns the CPU seconds that it took. The folder must be empty: a set that is built
-/// on top of another one compiles nearly everything again, because other features of `syn` change every derive macro.
+/// Builds a set in a target folder and returns the CPU seconds that it takes on a machine that compiles the reference crate in
+/// [`reference::CPU_SECONDS`]. The folder must be empty: a set that is built on top of another one compiles nearly everything
+/// again, because other features of `syn` change every derive macro.
 ///
 /// # Errors
-/// The build fails, or CPU time cannot be read.
+/// A build fails, or CPU time cannot be read.
 pub fn measure(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, BuildError> {
+    // before and after, because a processor that gets warm becomes slower
+    let first = reference::measure()?;
+    let seconds = measure_unscaled(root, target, set)?;
+    let speed = 2.0 * reference::CPU_SECONDS / (first + reference::measure()?);
+    println!(
+        "{}: {seconds:.0} CPU seconds here, speed {speed:.2}",
+        set.name
+    );
+    Ok(seconds * speed)
+}
+
+/// Builds a set and returns the CPU seconds on this machine.
+fn measure_unscaled(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, BuildError> {
     let before = children_cpu_seconds()?;
     let status = Command::new("cargo")
         .args([
