@@ -147,9 +147,9 @@ fn o14_an_operation_of_a_nested_component_is_called_by_its_path() {
         "Driver/retrievingStatus.getJointsPositions",
     ] {
         let suggestion = format!("unknown operation `{operation}`; did you mean `{address}`?");
-        // on a busy machine the process may not be known in time
+        // on a busy machine the process may not be known in time; then there is nothing to suggest, or no such interface
         let mut attempts = (0..10).map(|_| call(operation));
-        let found = attempts.find(|(code, said)| *code != Some(1) || said.contains(&suggestion));
+        let found = attempts.find(|(_, said)| said.contains(&suggestion));
         assert_eq!(found.map(|it| it.0), Some(Some(1)), "{operation}");
     }
     // an interface that does not exist is no path

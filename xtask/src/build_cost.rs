@@ -9,10 +9,14 @@ mod reference;
 
 use crate::table::Rows;
 use std::path::Path;
-use std::process::{Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus};
+use std::time::{Duration, Instant};
 
 /// The record, written by `build-cost --record`; one table for each set of features.
 const RECORD: &str = "docs/build-cost.toml";
+
+/// Time between two compilations of the reference crate.
+const PAUSE: Duration = Duration::from_secs(20);
 
 /// A set of Cargo features with the budget of its build.
 #[derive(Debug)]
@@ -54,9 +58,9 @@ pub enum BuildError {
         name: String,
     },
     /// A file cannot be read or written, or cargo does not start.
-    #[error("{what}: {source}")]
+    #[error("cannot {what}: {source}")]
     Io {
-        /// The action that failed, as in "cannot start cargo".
+        /// The action that failed, as in "start cargo".
         what: &'static str,
         /// Error of the operating system.
         source: std::io::Error,
@@ -88,61 +92,88 @@ pub fn set(name: &str) -> Result<&'static FeatureSet, BuildError> {
     })
 }
 
-/// Builds a set in a target folder and returns the CPU seconds that it takes on a machine that compiles the reference crate in
-/// [`reference::CPU_SECONDS`]. The folder must be empty: a set that is built on top of another one compiles nearly everything
+/// The cost of a build.
+#[derive(Debug, Clone, Copy)]
+pub struct Cost {
+    /// CPU seconds on this machine.
+    pub seconds: f64,
+    /// Speed of this machine during the build, as a multiple of that of a machine that compiles the reference crate in
+    /// [`reference::CPU_SECONDS`].
+    pub speed: f64,
+}
+
+impl Cost {
+    /// Returns the CPU seconds on a machine of speed 1, for which the budgets are set.
+    #[must_use]
+    pub fn scaled(self) -> f64 {
+        self.seconds * self.speed
+    }
+}
+
+/// Builds a set in a target folder and returns the cost. The folder must be empty: a set that is built on top of another one compiles nearly everything
 /// again, because other features of `syn` change every derive macro.
 ///
 /// # Errors
 /// A build fails, or CPU time cannot be read.
-pub fn measure(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, BuildError> {
-    // before and after, because a processor that gets warm becomes slower
-    let first = reference::measure()?;
-    let seconds = measure_unscaled(root, target, set)?;
-    let speed = 2.0 * reference::CPU_SECONDS / (first + reference::measure()?);
-    println!(
-        "{}: {seconds:.0} CPU seconds here, speed {speed:.2}",
-        set.name
-    );
-    Ok(seconds * speed)
+pub fn measure(root: &Path, target: &Path, set: &FeatureSet) -> Result<Cost, BuildError> {
+    let before = children_cpu_seconds()?;
+    let mut cargo = build(root, target, set)?;
+    // While the set is built, because the speed of a processor that other machines share changes within minutes. The processes
+    // that cargo starts are not counted until cargo itself has been waited for, so both can be told apart.
+    let mut references = Vec::new();
+    let status = loop {
+        references.push(reference::measure()?);
+        if let Some(status) = wait(&mut cargo, PAUSE)? {
+            break status;
+        }
+    };
+    if !status.success() {
+        let set = set.name;
+        return Err(BuildError::Failed { set, status });
+    }
+    let reference_seconds: f64 = references.iter().sum();
+    let seconds = children_cpu_seconds()? - before - reference_seconds;
+    let speed = reference::CPU_SECONDS * references.len() as f64 / reference_seconds;
+    Ok(Cost { seconds, speed })
 }
 
-/// Builds a set and returns the CPU seconds on this machine.
-fn measure_unscaled(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, BuildError> {
-    let before = children_cpu_seconds()?;
-    let status = Command::new("cargo")
-        .args([
-            "build",
-            "--release",
-            "--locked",
-            "--quiet",
-            "--package",
-            "asmotion",
-        ])
+/// Starts the build of a set.
+fn build(root: &Path, target: &Path, set: &FeatureSet) -> Result<Child, BuildError> {
+    Command::new("cargo")
+        .args(["build", "--release", "--locked", "--quiet"])
+        .args(["--package", "asmotion"])
         .args(set.arguments)
         .current_dir(root)
         .env("CARGO_TARGET_DIR", target)
         .env("CARGO_INCREMENTAL", "0")
         // a compiler cache would hide the cost
         .env_remove("RUSTC_WRAPPER")
-        .status()
-        .map_err(|source| BuildError::Io {
-            what: "cannot start cargo",
-            source,
-        })?;
-    if !status.success() {
-        let set = set.name;
-        return Err(BuildError::Failed { set, status });
+        .spawn()
+        .map_err(cannot("start cargo"))
+}
+
+/// Waits for the end of a process, not longer than `limit`. Returns nothing if it still runs.
+fn wait(child: &mut Child, limit: Duration) -> Result<Option<ExitStatus>, BuildError> {
+    let begun = Instant::now();
+    loop {
+        let status = child.try_wait().map_err(cannot("wait for cargo"))?;
+        if status.is_some() || begun.elapsed() >= limit {
+            return Ok(status);
+        }
+        std::thread::sleep(Duration::from_millis(100));
     }
-    Ok(children_cpu_seconds()? - before)
+}
+
+/// Wraps an error of the operating system with the action that failed.
+fn cannot(what: &'static str) -> impl Fn(std::io::Error) -> BuildError {
+    move |source| BuildError::Io { what, source }
 }
 
 /// Returns the CPU seconds of all child processes that have ended, including their own children
 /// (proc(5), `cutime` and `cstime`).
 fn children_cpu_seconds() -> Result<f64, BuildError> {
-    let stat = std::fs::read_to_string("/proc/self/stat").map_err(|source| BuildError::Io {
-        what: "cannot read /proc/self/stat",
-        source,
-    })?;
+    let stat =
+        std::fs::read_to_string("/proc/self/stat").map_err(cannot("read /proc/self/stat"))?;
     cpu_seconds_in(&stat).ok_or(BuildError::NoCpuTime)
 }
 
@@ -166,10 +197,7 @@ pub fn record(root: &Path, figures: &[(&FeatureSet, f64)]) -> Result<(), BuildEr
         let (name, budget) = (set.name, set.budget);
         text += &format!("\n[{name}]\ncpu_seconds = {seconds:.1}\nbudget = {budget:.1}\n");
     }
-    std::fs::write(root.join(RECORD), text).map_err(|source| BuildError::Io {
-        what: "cannot write docs/build-cost.toml",
-        source,
-    })
+    std::fs::write(root.join(RECORD), text).map_err(cannot("write docs/build-cost.toml"))
 }
 
 /// Returns a row for each recorded set of features; empty without a record.

@@ -115,15 +115,18 @@ fn build_costs(root: &Path, options: &BuildCost) -> Result<(), Box<dyn Error>> {
     let mut figures = Vec::new();
     for name in &names {
         let set = build_cost::set(name)?;
-        let seconds = match &options.target_dir {
+        let cost = match &options.target_dir {
             Some(folder) => build_cost::measure(root, &folder.join(name), set)?,
             None => build_cost::measure(root, tempfile::tempdir()?.path(), set)?,
         };
         println!(
-            "{name}: {seconds:.0} CPU seconds, at most {:.0}",
-            set.budget
+            "{name}: {:.0} CPU seconds, at most {:.0} ({:.0} here, at speed {:.2})",
+            cost.scaled(),
+            set.budget,
+            cost.seconds,
+            cost.speed
         );
-        figures.push((set, seconds));
+        figures.push((set, cost.scaled()));
     }
     if options.record {
         build_cost::record(root, &figures)?;

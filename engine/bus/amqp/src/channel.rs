@@ -172,6 +172,18 @@ pub(crate) async fn check_exchange(channel: Channel, exchange: &str) -> AmqpResu
     run_to_completion(async move { channel.exchange_declare(arguments).await }).await
 }
 
+/// Returns how many messages wait in a queue that exists. The reply comes after all messages that the broker has delivered on
+/// this channel.
+pub(crate) async fn count_waiting(channel: Channel, queue: &str) -> AmqpResult<u32> {
+    let mut arguments = QueueDeclareArguments::new(queue);
+    arguments.passive(true);
+    run_to_completion(async move {
+        let declared = channel.queue_declare(arguments).await?;
+        Ok(declared.map_or(0, |(_, messages, _)| messages))
+    })
+    .await
+}
+
 /// Removes all messages from a queue.
 pub(crate) async fn purge(connection: &Connection, queue: &str) -> AmqpResult<()> {
     let (channel, _words) = open(connection).await?;

@@ -17,6 +17,8 @@
 //! | has 2047 channels, and never reuses one that the broker closed | worn-out connections are replaced (`link`) |
 //! | does not reconnect | the supervisor does (`supervisor`) |
 
+mod arrivals;
+mod backlog_count;
 mod backoff;
 mod binding_refresh;
 mod bus;

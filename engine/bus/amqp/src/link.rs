@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use amqprs::connection::Connection;
 use asmotion_bus::{Health, Notifier};
@@ -31,6 +31,8 @@ const POISON: usize = 8;
 pub(crate) struct ConnectionPair {
     pub publishers: Connection,
     pub consumers: Connection,
+    /// Time at which the last probe that the broker has answered was sent on the consumers' connection.
+    answered_probe: Mutex<Instant>,
 }
 
 /// State of the link as its tasks see it.
@@ -285,6 +287,32 @@ impl Link {
 }
 
 impl ConnectionPair {
+    /// A pair that has just been opened.
+    pub(crate) fn new(publishers: Connection, consumers: Connection) -> Self {
+        Self {
+            publishers,
+            consumers,
+            answered_probe: Mutex::new(Instant::now()),
+        }
+    }
+
+    /// Returns the time at which the last probe that the broker has answered was sent on the consumers' connection. The broker
+    /// sent everything that arrives now after that time.
+    pub(crate) fn last_answered_probe(&self) -> Instant {
+        *self
+            .answered_probe
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Records that the broker has answered a probe that was sent at this time.
+    pub(crate) fn record_answer(&self, sent_at: Instant) {
+        *self
+            .answered_probe
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = sent_at;
+    }
+
     /// Closes both connections, with a time limit in case the broker does not respond.
     pub(crate) async fn close(&self) {
         let (publishers, consumers) = (self.publishers.clone(), self.consumers.clone());

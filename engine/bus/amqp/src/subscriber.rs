@@ -19,15 +19,16 @@ use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, sleep, sleep_until};
 
+use crate::arrivals::Arrivals;
+use crate::backlog_count::BacklogCount;
 use crate::binding_refresh::BindingRefresh;
 use crate::channel::{self, AmqpResult, BrokerEvent, ChannelError, Consumption};
-use crate::duplicate_filter::DuplicateFilter;
 use crate::earlier_run::{self, Takeover};
 use crate::first_declaration::FirstDeclaration;
 use crate::link::{ConnectionPair, Link};
 use crate::names::RoutingNames;
 use crate::notice::BusNotice;
-use crate::wire::{self, Headers, MessageIdentity};
+use crate::wire::{self, Headers};
 
 /// Limit of unacknowledged events.
 const PREFETCH: u16 = 1024;
@@ -65,6 +66,10 @@ pub(crate) struct SubscriberTask {
     pub ready: FirstDeclaration,
 }
 
+fn now() -> std::time::Instant {
+    Instant::now().into_std()
+}
+
 /// Delivery tags handed on but not yet acknowledged.
 #[derive(Default)]
 struct PendingAcknowledgement {
@@ -72,52 +77,6 @@ struct PendingAcknowledgement {
     acknowledged: u64,
     /// Time at which the acknowledgement must be sent.
     due: Option<Instant>,
-}
-
-/// What a subscription remembers of the messages that arrived, for as long as it lasts.
-struct Arrivals {
-    repeats: DuplicateFilter,
-    /// Beginning of the subscription.
-    origin: std::time::Instant,
-    /// Arrival of the last message, or beginning of the last session.
-    last: std::time::Instant,
-    /// Number of messages to come that were in the queue when the session began, and how long they may have been there.
-    backlog: (u32, Duration),
-}
-
-impl Arrivals {
-    fn new() -> Self {
-        let now = std::time::Instant::now();
-        Self {
-            repeats: DuplicateFilter::default(),
-            origin: now,
-            last: now,
-            backlog: (0, Duration::ZERO),
-        }
-    }
-
-    /// Called when the queue is consumed again, with the number of messages in it.
-    fn begin_session(&mut self, backlog: u32) {
-        self.backlog = (backlog, self.last.elapsed());
-        self.last = std::time::Instant::now();
-    }
-
-    /// Returns how long the next message has waited on its way. For one that was in the queue, and whose stream or sender does
-    /// not show it, that is the longest possible time.
-    fn waited(&mut self, identity: &MessageIdentity, sent: Option<u64>) -> Duration {
-        let now = std::time::Instant::now();
-        self.last = now;
-        let (left, age) = &mut self.backlog;
-        let was_queued = *left > 0;
-        *left = left.saturating_sub(1);
-        match (sent, self.repeats.transit(identity)) {
-            (Some(sent), Some(transit)) if transit.is_known() || !was_queued => {
-                transit.waited(sent, self.origin, now)
-            }
-            (Some(_) | None, Some(_) | None) if was_queued => *age,
-            (Some(_) | None, Some(_) | None) => Duration::ZERO,
-        }
-    }
 }
 
 impl PendingAcknowledgement {
@@ -146,7 +105,7 @@ impl PendingAcknowledgement {
 
 impl SubscriberTask {
     pub(crate) async fn run(mut self) {
-        let mut arrivals = Arrivals::new();
+        let mut arrivals = Arrivals::beginning_at(now());
         let link = Arc::clone(&self.link);
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
@@ -197,7 +156,7 @@ impl SubscriberTask {
         self.take_over(pair).await?;
         let begun = self.declare(&channel).await;
         let begun = begun.map_err(|_| channel::close_reason(&mut words))?;
-        arrivals.begin_session(begun.backlog);
+        arrivals.begin_session(begun.backlog, now());
         let mut messages = begun.messages;
         self.own_queue = None;
         self.ready.report(Ok(()));
@@ -205,6 +164,9 @@ impl SubscriberTask {
         let mut closing = pin!(link.wait_until_closing());
         let mut owed = PendingAcknowledgement::default();
         let mut binding = BindingRefresh::new(&channel, self.binding());
+        let mut count = BacklogCount::default();
+        // twice the interval of the probes: one of them is always on its way
+        let limit = 2 * link.settings.timing.pulse;
         loop {
             tokio::select! {
                 _ = &mut self.stop => break,
@@ -221,22 +183,32 @@ impl SubscriberTask {
                     let Some(message) = message else {
                         return Err(ChannelError::Cancelled);
                     };
+                    if arrivals.compare_with_probe(pair.last_answered_probe(), limit, now()) {
+                        count.begin(&channel, &self.queue);
+                    }
                     owed.last = owed.last.max(self.take_batch(message, &mut messages, arrivals));
                     // for a state, the broker sends the next message only after this acknowledgement
                     if self.policy == QueuePolicy::Latest || owed.count() >= OWED {
                         owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
+                        arrivals.record_acknowledgement(now());
                     } else {
                         owed.due.get_or_insert_with(|| Instant::now() + ACKNOWLEDGED_AFTER);
                     }
                 }
                 () = owed.wait_until_due() => {
                     owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
+                    arrivals.record_acknowledgement(now());
+                }
+                waiting = count.reply() => {
+                    let waiting = waiting.map_err(|_| channel::close_reason(&mut words))?;
+                    arrivals.limit_backlog(messages.len() as u64 + u64::from(waiting));
                 }
                 bound = binding.refresh() => bound.map_err(|_| channel::close_reason(&mut words))?,
             }
         }
-        // its reply must not meet the end of the channel
+        // their replies must not meet the end of the channel
         let _ = binding.finish().await;
+        count.finish().await;
         // messages already passed on must not be delivered again to the next subscription; a closed channel accepts
         // nothing
         let _ = owed.send(&channel).await;
@@ -338,7 +310,7 @@ impl SubscriberTask {
         let topic = self.names.topic(deliver.routing_key());
         let identity = wire::identity(&properties, topic);
         let is_new = arrivals.repeats.is_new(&identity);
-        let waited = arrivals.waited(&identity, wire::sent(&properties));
+        let waited = arrivals.waited(&identity, wire::sent(&properties), now());
         let repeats = &mut arrivals.repeats;
         if !is_new {
             self.sender.count_duplicate();

@@ -121,14 +121,13 @@ async fn connect(
         .await
         .map_err(|refusal| refusal.to_string())?;
     let (closed, closes) = unbounded_channel();
-    let pair = ConnectionPair {
-        publishers: open(settings, connector.as_ref(), "publishers", &closed)
-            .await
-            .map_err(|error| error.to_string())?,
-        consumers: open(settings, connector.as_ref(), "consumers", &closed)
-            .await
-            .map_err(|error| error.to_string())?,
-    };
+    let publishers = open(settings, connector.as_ref(), "publishers", &closed)
+        .await
+        .map_err(|error| error.to_string())?;
+    let consumers = open(settings, connector.as_ref(), "consumers", &closed)
+        .await
+        .map_err(|error| error.to_string())?;
+    let pair = ConnectionPair::new(publishers, consumers);
     for (exchange, kind) in [
         (&settings.exchange, "topic"),
         (&settings.services(), "direct"),
