@@ -34,13 +34,17 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-bus", "asmotion-ros-interface"],
     &[
         "asmotion-amqp",
-        "asmotion-gateway",
+        "asmotion-http",
         "asmotion-port",
         "asmotion-ros-domain",
         "asmotion-ros1",
         "asmotion-ros2",
     ],
-    &["asmotion-component", "asmotion-ros-master"],
+    &[
+        "asmotion-component",
+        "asmotion-gateway",
+        "asmotion-ros-master",
+    ],
     &[
         "asmotion-bridge",
         "asmotion-coordinator",

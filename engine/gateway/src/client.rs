@@ -20,7 +20,7 @@ use tokio::time::sleep;
 use self::connection::ConnectionPool;
 use self::exchange::Exchange;
 use self::target::Target;
-use crate::token::BearerToken;
+use asmotion_http::BearerToken;
 
 /// Limit on the simultaneous calls of a service; further ones end as unavailable.
 const MAX_CALLS: usize = 64;

@@ -7,7 +7,9 @@ use asmotion_datum::{Datum, json as written};
 use hyper::StatusCode;
 
 use crate::problem::Problem;
-use crate::response::{self, HttpResponse};
+use asmotion_http::HttpResponse;
+
+use crate::response;
 
 /// Topics of the descriptions.
 const PRESENCE: &str = "presence.*";

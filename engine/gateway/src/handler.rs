@@ -5,25 +5,20 @@ use std::sync::Arc;
 
 use asmotion_bus::{Bus, CallFailure, LinkState, Payload, Request, SenderId};
 use asmotion_datum::{Codec, Datum, DatumError, Schema, Shape, json as written};
+use asmotion_http::{ConnectionPlace, HttpHandler, HttpRequest, HttpResponse, call};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
-use hyper::body::Incoming;
 use hyper::{Method, StatusCode, header};
 use serde_json::json;
 use tokio::time::timeout;
 
 use crate::access;
-use crate::call::call;
 use crate::components::ComponentListing;
-use crate::connections::ConnectionPlace;
 use crate::listing;
 use crate::parameters::CallParameters;
 use crate::problem::Problem;
-use crate::response::{self, HttpResponse};
+use crate::response;
 use crate::service::{GatewayOperation, GatewayService};
 use crate::settings::GatewaySettings;
-
-/// An HTTP request whose body has not been read yet.
-type HttpRequest = hyper::Request<Incoming>;
 
 /// Handles the requests of all connections.
 pub(crate) struct RequestHandler {
@@ -33,18 +28,23 @@ pub(crate) struct RequestHandler {
     pub settings: GatewaySettings,
 }
 
-impl RequestHandler {
-    /// Handles a request.
-    pub(crate) async fn respond(
+impl HttpHandler for RequestHandler {
+    async fn respond(
         &self,
         request: HttpRequest,
         from: SocketAddr,
-        place: &ConnectionPlace,
+        place: &Arc<ConnectionPlace>,
     ) -> HttpResponse {
         let answer = self.route(request, from, place).await;
         answer.unwrap_or_else(|problem| problem.response())
     }
 
+    fn busy(&self) -> HttpResponse {
+        Problem::Busy.response()
+    }
+}
+
+impl RequestHandler {
     async fn route(
         &self,
         request: HttpRequest,

@@ -8,10 +8,8 @@
 //! An [`HttpClient`] calls services of other systems in the same form, as a [`ServiceClient`](asmotion_bus::ServiceClient).
 
 mod access;
-mod call;
 mod client;
 mod components;
-mod connections;
 mod gateway;
 mod handler;
 mod listing;
@@ -20,10 +18,9 @@ mod problem;
 mod response;
 mod service;
 mod settings;
-mod token;
 
+pub use asmotion_http::BearerToken;
 pub use client::{HttpClient, HttpClientError};
 pub use gateway::{Gateway, GatewayCheckError};
 pub use service::{GatewayOperation, GatewayService};
 pub use settings::GatewaySettings;
-pub use token::BearerToken;

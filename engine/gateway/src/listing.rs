@@ -4,7 +4,9 @@ use asmotion_datum::json_schema::SchemaDefinitions;
 use hyper::StatusCode;
 use serde_json::{Value, json};
 
-use crate::response::{self, HttpResponse};
+use asmotion_http::HttpResponse;
+
+use crate::response;
 use crate::service::{GatewayOperation, GatewayService};
 
 /// JSON pointer to the schemas of named types.

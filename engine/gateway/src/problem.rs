@@ -7,7 +7,9 @@ use asmotion_datum::DatumError;
 use hyper::{StatusCode, header};
 use serde_json::json;
 
-use crate::response::{self, HttpResponse};
+use asmotion_http::HttpResponse;
+
+use crate::response;
 
 /// The reason that a request has no result.
 #[derive(Debug, PartialEq, thiserror::Error)]

@@ -1,12 +1,10 @@
 //! Builds HTTP responses.
 
 use asmotion_datum::Codec;
+use asmotion_http::HttpResponse;
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::{Response, StatusCode, header};
-
-/// A response whose body is in memory.
-pub(crate) type HttpResponse = Response<Full<Bytes>>;
 
 /// A response with a JSON body.
 pub(crate) fn json(status: StatusCode, json: String) -> HttpResponse {

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use crate::token::BearerToken;
+use asmotion_http::BearerToken;
 
 /// Address and limits of a gateway.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use tokio::time::timeout_at;
 use super::connection::{Connection, ConnectionPool};
 use super::outcome::{self, refusal};
 use super::target::Target;
-use crate::token::BearerToken;
+use asmotion_http::BearerToken;
 
 /// Limit on the size of a response, in bytes.
 const MAX_BODY: usize = 16 << 20;

@@ -28,13 +28,13 @@ struct ConnectionActivity {
 }
 
 /// The place of a connection in the table, given back when dropped.
-pub(crate) struct ConnectionPlace {
+pub struct ConnectionPlace {
     table: OpenConnections,
     number: u64,
 }
 
 /// Marks a connection as having a call under way, until it is dropped.
-pub(crate) struct CallGuard<'p>(&'p ConnectionPlace);
+pub struct CallGuard<'p>(&'p ConnectionPlace);
 
 impl OpenConnections {
     /// Creates a table for this number of connections, at least one.
@@ -78,7 +78,7 @@ impl OpenConnections {
 
 impl ConnectionPlace {
     /// Marks the connection as having a call under way.
-    pub(crate) fn begin_call(&self) -> CallGuard<'_> {
+    pub fn begin_call(&self) -> CallGuard<'_> {
         self.set_idle_since(None);
         CallGuard(self)
     }

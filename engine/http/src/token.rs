@@ -15,14 +15,14 @@ impl BearerToken {
     }
 
     /// The value of the header `Authorization`; `None` if a header cannot contain the token.
-    pub(crate) fn credentials(&self) -> Option<HeaderValue> {
+    pub fn credentials(&self) -> Option<HeaderValue> {
         let mut value = HeaderValue::try_from(format!("Bearer {}", self.0)).ok()?;
         value.set_sensitive(true);
         Some(value)
     }
 
     /// Returns whether the credentials of a request contain this token. The time this takes depends on the length only.
-    pub(crate) fn is_in(&self, credentials: &str) -> bool {
+    pub fn is_in(&self, credentials: &str) -> bool {
         let Some((scheme, token)) = credentials.split_once(' ') else {
             return false;
         };

@@ -7,7 +7,10 @@ use tokio::sync::Notify;
 use tokio::time::timeout_at;
 
 /// Calls an operation and waits for the response or, for a one-way call, for the provider to take the request.
-pub(crate) async fn call(
+///
+/// # Errors
+/// The failure of the call.
+pub async fn call(
     bus: &dyn Bus,
     address: &str,
     request: Request,
