@@ -18,6 +18,7 @@
 //! ```
 
 pub mod codes;
+mod control_states;
 pub mod coverage;
 mod explain;
 mod files;
@@ -36,6 +37,7 @@ pub use asmotion_machine::{
     Update,
 };
 pub use asmotion_value::Value;
+pub use control_states::{ControlDiagram, ControlTransition};
 pub use files::MemoryFiles;
 pub use history::{History, HistoryEvent, LastWrite};
 pub use session::Session;

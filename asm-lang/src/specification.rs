@@ -179,4 +179,13 @@ impl Specification {
             .copied()
             .unwrap_or_default()
     }
+
+    /// Returns the file name and the line of an origin, as in `navigate.asm:42`.
+    pub fn place(&self, origin: ir::Origin) -> String {
+        let span = self.span(origin);
+        let path = self.sources.path(span.file);
+        let name = path.rsplit('/').next().unwrap_or(path);
+        let (line, _) = self.sources.position(span.file, span.start);
+        format!("{name}:{line}")
+    }
 }

@@ -33,6 +33,8 @@ pub struct UpdateRecord {
     pub before: String,
     /// Value after the step.
     pub after: String,
+    /// Place of the update rule, as in `navigate.asm:42`.
+    pub place: String,
 }
 
 impl StepRecord {
@@ -41,7 +43,9 @@ impl StepRecord {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
         let inputs = step.inputs().iter();
-        let updates = simulate::updates(machine, step).into_iter();
+        let mut updates: Vec<_> = step.updates().iter().zip(step.before()).collect();
+        updates.sort_by_cached_key(|(update, _)| simulate::location(machine, update.slot));
+        let updates = updates.into_iter();
         Self {
             specification: specification.model.name.to_string(),
             number: step.number(),
@@ -54,10 +58,11 @@ impl StepRecord {
                 .map(|choice| (choice.index as u64, choice.count as u64))
                 .collect(),
             updates: updates
-                .map(|(location, before, after)| UpdateRecord {
-                    location,
-                    before,
-                    after,
+                .map(|(update, before)| UpdateRecord {
+                    location: simulate::location(machine, update.slot),
+                    before: show(before),
+                    after: show(&update.value),
+                    place: specification.place(update.origin),
                 })
                 .collect(),
         }
