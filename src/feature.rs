@@ -13,6 +13,9 @@ pub trait Feature {
 /// Systems on RabbitMQ: `run --bus`, and the commands that inspect and control a running system.
 pub struct Amqp;
 
+/// The dashboard: `run --dashboard` and `demo --open`.
+pub struct Dashboard;
+
 /// Services over HTTP: gateways of composites, and wires to other systems.
 pub struct Http;
 
@@ -34,6 +37,11 @@ pub struct Tui;
 impl Feature for Amqp {
     const NAME: &'static str = "amqp";
     const BRINGS: &'static str = "the bus over RabbitMQ";
+}
+
+impl Feature for Dashboard {
+    const NAME: &'static str = "dashboard";
+    const BRINGS: &'static str = "the dashboard";
 }
 
 impl Feature for Http {

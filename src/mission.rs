@@ -1,6 +1,7 @@
 //! Assembles a composite and runs it until an end condition holds.
 
 mod client;
+mod dashboard;
 mod director;
 mod end_condition;
 mod error;
@@ -13,6 +14,7 @@ mod robots;
 mod stall;
 mod version_switch;
 
+pub use self::dashboard::{DashboardCallback, MissionDashboard};
 pub use self::director::{Director, Undirected};
 pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};
 pub use error::MissionError;
@@ -44,6 +46,7 @@ use crate::programs::{ProcessChoice, ProgramsHere};
 
 use crate::story::{Story, Summary};
 use crate::terminal::{Colour, TerminalOutput};
+use dashboard::OpenDashboard;
 use end_condition::{EndCondition, SLICE, awaited_updates};
 use robots::RobotsOnBrokers;
 use version_switch::VersionSwitch;
@@ -71,6 +74,8 @@ pub struct Mission {
     pub brokers: MissionBrokers,
     /// HTTP gateways.
     pub gateways: MissionGateways,
+    /// The dashboard.
+    pub dashboard: MissionDashboard,
     /// Process to run, if the composite is deployed to several; `None` runs all of it.
     pub process: Option<String>,
     /// The run succeeds when a location has one of these values, as pairs of location and value. `None` means
@@ -139,6 +144,7 @@ impl Mission {
             clock: MissionClock::Virtual(0.0),
             brokers: MissionBrokers::Nothing,
             gateways: MissionGateways::Closed,
+            dashboard: MissionDashboard::Closed,
             process: None,
             until: None,
             unless: None,
@@ -263,7 +269,7 @@ impl Mission {
         let mut successor = self.version_switch(&opened.path, plan, &part, &connected)?;
         let mut contacts =
             self.connect_contacts(&mut system, &mut network, &connected, plan, &part)?;
-        let gateway_bus = LocalBus::new();
+        let (gateway_bus, dashboard_bus) = (LocalBus::new(), LocalBus::new());
         let gateways = self.open_gateways(
             &mut system,
             &mut network,
@@ -273,7 +279,11 @@ impl Mission {
             &gateway_bus,
         )?;
         if !gateways.is_empty() {
-            contacts.push(self.gateway_contact(&mut system, &gateway_bus, plan, &part)?);
+            contacts.push(self.inside_contact(&mut system, &gateway_bus, plan, &part)?);
+        }
+        let mut dashboard = self.open_dashboard(&mut system, plan, &part, &dashboard_bus)?;
+        if dashboard.is_some() {
+            contacts.push(self.inside_contact(&mut system, &dashboard_bus, plan, &part)?);
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
         let began = Instant::now();
@@ -294,10 +304,13 @@ impl Mission {
             director,
             (&watch, &story),
             stop,
-            (&mut contacts, &mut bridges),
+            (&mut contacts, &mut bridges, &mut dashboard),
             &mut successor,
         );
         director.finish(run.now());
+        if let Some(dashboard) = &mut dashboard {
+            dashboard.end(outcome.name());
+        }
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
         let mut summary = lock(&story).summary().clone();
@@ -326,7 +339,7 @@ impl Mission {
         let lost = lost_messages(&*run);
         // the last messages of the components are sent before the bus closes
         contacts.iter_mut().for_each(ProcessContact::leave);
-        drop((run, contacts, successor));
+        drop((run, contacts, successor, dashboard));
         drop((connected, client));
         Ok(MissionEnd {
             outcome,
@@ -379,7 +392,11 @@ impl Mission {
         director: &mut dyn Director,
         (watch, story): (&Mutex<EndCondition>, &Mutex<Story>),
         stop: &AtomicBool,
-        (contacts, bridges): (&mut [ProcessContact<'_>], &mut Bridges),
+        (contacts, bridges, dashboard): (
+            &mut [ProcessContact<'_>],
+            &mut Bridges,
+            &mut Option<OpenDashboard>,
+        ),
         successor: &mut VersionSwitch<'_>,
     ) -> MissionOutcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
@@ -395,6 +412,9 @@ impl Mission {
             }
             for contact in &mut *contacts {
                 contact.process_orders(run);
+            }
+            if let Some(dashboard) = dashboard {
+                dashboard.process();
             }
             bridges.process(run);
             if successor.process_requests(run) {

@@ -29,9 +29,13 @@ const FILES: &[(&str, &str)] = &[
 /// Runs a mission in which a specification coordinates a simulated rover.
 #[derive(Args)]
 pub struct Demo {
-    /// Virtual seconds per second of real time; 0 is as fast as possible
-    #[arg(long, default_value_t = 8.0)]
-    speed: f64,
+    /// Virtual seconds per second of real time; 0 is as fast as possible [default: 8, or 1 with a dashboard]
+    #[arg(long)]
+    speed: Option<f64>,
+
+    /// Opens the dashboard in a browser, from which the rover can be sent to other goals; Ctrl-C ends the demo
+    #[arg(long)]
+    open: bool,
 
     /// Obstacles that the map does not show
     #[arg(long, value_enum, default_value_t = DemoWorld::Blocked)]
@@ -76,7 +80,7 @@ pub const BLOCKED_CORRIDOR: &str = r#"[
 ]"#;
 
 impl Demo {
-    pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
+    pub fn run(mut self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         let folder = match unpack() {
             Ok(folder) => folder,
             Err(error) => {
@@ -88,19 +92,37 @@ impl Demo {
         };
         let composite = folder.path().join(FILES[0].0);
         let mut mission = Mission::with_build(build, composite.display().to_string());
-        mission.clock = match virtual_clock(self.speed) {
-            Ok(clock) => clock,
-            Err(problem) => {
-                terminal.error(problem);
-                return Exit::Usage;
-            }
-        };
+        if let Err(problem) = self.prepare(&mut mission) {
+            terminal.error(problem);
+            return Exit::Usage;
+        }
         let obstacles: Datum =
             asmotion_datum::json::decode(self.world.obstacles()).unwrap_or_default();
         mission
             .properties
             .push(("World".to_owned(), "obstacles".to_owned(), obstacles));
         self.common.run("the navigation demo", mission, terminal)
+    }
+
+    /// Sets the clock and the dashboard.
+    fn prepare(&mut self, mission: &mut Mission) -> Result<(), String> {
+        if self.open {
+            // the rover is simulated
+            self.common.dashboard.request_control();
+            mission.until = Some(Vec::new());
+            mission.unless = Some(Vec::new());
+            if self.common.limit.is_none() {
+                mission.limit = None;
+            }
+        }
+        let usual = if self.common.dashboard.is_requested() {
+            1.0
+        } else {
+            8.0
+        };
+        mission.clock = virtual_clock(self.speed.unwrap_or(usual))?;
+        mission.dashboard = self.common.dashboard(self.open)?;
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! `asmotion run`: runs a composite.
 
+mod dashboard;
 mod report;
 #[cfg(feature = "tui")]
 mod top;
@@ -25,13 +26,14 @@ use crate::build::Build;
 use crate::exit::Exit;
 use crate::gateway;
 use crate::mission::{
-    ListenCallback, ListeningGateway, Mission, MissionBrokers, MissionClock, MissionError,
-    MissionOutcome, NamedBrokers,
+    ListenCallback, ListeningGateway, Mission, MissionBrokers, MissionClock, MissionDashboard,
+    MissionError, MissionOutcome, NamedBrokers,
 };
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::paths::composite_file;
 use crate::terminal::TerminalOutput;
 use crate::transport::BrokerAccess;
+use dashboard::DashboardArguments;
 use report::{event_json, headline, print_summary, summary_json};
 #[cfg(feature = "tui")]
 use top::spectator;
@@ -128,6 +130,9 @@ pub struct MissionArguments {
     #[arg(long, short)]
     pub quiet: bool,
 
+    #[command(flatten)]
+    pub dashboard: DashboardArguments,
+
     /// Shows the system on the terminal while it runs, as `asmotion top` does; `q` ends both
     #[arg(long, conflicts_with = "json")]
     pub top: bool,
@@ -162,6 +167,7 @@ impl Run {
         mission.profile = self.profile.clone();
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
+        mission.dashboard = self.common.dashboard(false)?;
         mission.brokers = self.brokers(&mission)?;
         self.common.enable_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
@@ -180,6 +186,10 @@ impl Run {
                 ));
             }
             (None, None, Some(_)) => MissionClock::Wall,
+            // a run that is watched does not end before anything can be seen
+            (None | Some(ClockKind::Virtual), None, None) if mission.dashboard.is_open() => {
+                MissionClock::Virtual(1.0)
+            }
             (None | Some(ClockKind::Virtual), speed, None) => virtual_clock(speed.unwrap_or(0.0))?,
             (Some(ClockKind::Wall), None, _) => MissionClock::Wall,
             (Some(ClockKind::Wall), Some(_), _) => {
@@ -401,6 +411,12 @@ impl MissionArguments {
         if let (true, MissionBrokers::Nothing) = (self.top, &mission.brokers) {
             mission.brokers = MissionBrokers::Inside(LocalBus::new());
         }
+    }
+
+    /// The dashboard of the run. `opens_browser` opens it in a browser.
+    pub fn dashboard(&self, opens_browser: bool) -> Result<MissionDashboard, String> {
+        let output = (self.quiet, self.json);
+        self.dashboard.dashboard(output, opens_browser)
     }
 
     fn apply(&self, mission: &mut Mission) -> Result<(), String> {

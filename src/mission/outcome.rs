@@ -16,3 +16,17 @@ pub enum MissionOutcome {
     /// The run was stopped from outside.
     Stopped,
 }
+
+impl MissionOutcome {
+    /// The outcome in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::Failed => "failed",
+            Self::TimeUp => "time up",
+            Self::Completed => "completed",
+            Self::Fault => "fault",
+            Self::Stopped => "stopped",
+        }
+    }
+}

@@ -278,8 +278,9 @@ impl Mission {
         connected.iter().map(contact).collect()
     }
 
-    /// Announces a system on the bus of its gateways, which thereby show its components.
-    pub(super) fn gateway_contact<'p>(
+    /// Announces a system on a bus within this process: that of its gateways, which thereby show its components, or that of its
+    /// dashboard.
+    pub(super) fn inside_contact<'p>(
         &self,
         system: &mut System,
         bus: &'p LocalBus,
@@ -287,7 +288,12 @@ impl Mission {
         part: &Part,
     ) -> Result<ProcessContact<'p>, MissionError> {
         let contact = self.contact(system, bus, plan, part, incarnation());
-        contact.map_err(|reason| broker_error("the gateway", reason))
+        contact.map_err(|reason| broker_error("this process", reason))
+    }
+
+    /// The name of the process on its buses.
+    pub(super) fn process_name<'n>(&'n self, plan: &'n Plan) -> &'n str {
+        self.process.as_deref().unwrap_or(&plan.name)
     }
 
     fn contact<'p>(
@@ -298,7 +304,7 @@ impl Mission {
         part: &Part,
         incarnation: u64,
     ) -> Result<ProcessContact<'p>, BusError> {
-        let name = self.process.as_deref().unwrap_or(&plan.name);
+        let name = self.process_name(plan);
         let newest = LastSamples::default();
         system.observe(newest.clone());
         ProcessContact::new(plan, part.clone(), name, bus, incarnation, newest)

@@ -50,6 +50,7 @@ impl fmt::Display for DisplayUpdate<'_> {
             location,
             before,
             after,
+            place: _,
         } = self.0;
         write!(to, "{location} := {after}")?;
         if before != after {

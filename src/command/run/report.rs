@@ -108,22 +108,11 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
     }
 }
 
-fn outcome_name(outcome: MissionOutcome) -> &'static str {
-    match outcome {
-        MissionOutcome::Reached => "reached",
-        MissionOutcome::Failed => "failed",
-        MissionOutcome::TimeUp => "time up",
-        MissionOutcome::Completed => "completed",
-        MissionOutcome::Fault => "fault",
-        MissionOutcome::Stopped => "stopped",
-    }
-}
-
 pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
     let summary = &end.summary;
     let path = summary.robots.only_path();
     json!({
-        "type": "summary", "v": 1, "outcome": outcome_name(end.outcome),
+        "type": "summary", "v": 1, "outcome": end.outcome.name(),
         "time_s": end.time.as_secs_f64(), "wall_s": end.wall.as_secs_f64(),
         "steps": summary.steps, "transitions": summary.transitions,
         "driven_m": path.map(|way| way.driven_m), "to_goal_m": path.and_then(DrivenPath::to_goal_m),
@@ -169,7 +158,7 @@ fn stalled_json(stalled: &StalledCoordinator) -> serde_json::Value {
 /// The result of a mission on one line: `reached in ARRIVED after 41.3 s`, or, with coordinators in different control states,
 /// `time up in ARRIVED (Left/Coordinator), FOLLOWING (Right/Coordinator) after 20.0 s`.
 pub(super) fn headline(end: &MissionEnd) -> String {
-    format!("{}{}", outcome_name(end.outcome), circumstances(end))
+    format!("{}{}", end.outcome.name(), circumstances(end))
 }
 
 /// The control state of all coordinators, or that of each if they differ.
@@ -224,7 +213,7 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     terminal.progress("");
     terminal.result(format_args!(
         "{style}{}{style:#}{}",
-        outcome_name(end.outcome),
+        end.outcome.name(),
         circumstances(end)
     ));
     match summary.robots.only_path() {

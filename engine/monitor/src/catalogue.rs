@@ -1,0 +1,236 @@
+//! The fixed part of what a dashboard shows: names, topics, and the texts of the specifications.
+
+use asmotion_coordinator::CONTROL_STATES;
+use asmotion_lang::simulate;
+use asmotion_lang::{ControlDiagram, FunctionKind, Loader, Specification};
+use asmotion_plan::{Component, Implementation, Part, Plan};
+use serde::Serialize;
+
+/// The description of a system; by default, of an empty one.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SystemDescription {
+    /// Name of the composite.
+    pub name: String,
+    /// Selected profile.
+    pub profile: Option<String>,
+    /// Clock of the run, for example `wall clock`.
+    pub clock: String,
+    /// Whether the system runs now, as opposed to a recording.
+    pub live: bool,
+    /// Components of this process.
+    components: Vec<DescribedComponent>,
+    topics: Vec<DescribedTopic>,
+    specifications: Vec<DescribedSpecification>,
+}
+
+/// A component and its implementation.
+#[derive(Clone, Debug, Serialize)]
+struct DescribedComponent {
+    name: String,
+    implementation: String,
+}
+
+/// A topic, with the inputs that subscribe to it in this process.
+#[derive(Clone, Debug, Serialize)]
+struct DescribedTopic {
+    name: String,
+    kind: Option<String>,
+    subscribers: Vec<String>,
+}
+
+/// A specification that a component executes.
+#[derive(Clone, Debug, Serialize)]
+struct DescribedSpecification {
+    component: String,
+    /// The files, the main one first.
+    files: Vec<DescribedFile>,
+    /// The control-state diagram; `None` without a control state.
+    diagram: Option<DescribedDiagram>,
+    /// The initial state, as pairs of location and value.
+    initial: Vec<(String, String)>,
+    /// Names of the monitored functions, which are unknown before a step reads them.
+    monitored: Vec<String>,
+    /// Names of the invariants and properties, as in the text.
+    properties: Vec<DescribedProperty>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct DescribedFile {
+    name: String,
+    text: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct DescribedDiagram {
+    location: String,
+    states: Vec<String>,
+    initial: Option<String>,
+    transitions: Vec<DescribedTransition>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct DescribedTransition {
+    from: Vec<String>,
+    to: String,
+    guards: Vec<String>,
+    line: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct DescribedProperty {
+    line: usize,
+    text: String,
+}
+
+impl SystemDescription {
+    /// Describes the part of a plan that runs in this process. The specifications are read with the loader; one that cannot be
+    /// opened is left out.
+    pub fn of(plan: &Plan, part: &Part, clock: String, loader: &dyn Loader) -> Self {
+        let here = || plan.components.iter().filter(|it| part.has(&it.name));
+        let components = here().map(|it| DescribedComponent {
+            name: it.name.clone(),
+            implementation: it.implementation.words().join(" "),
+        });
+        let topics = plan.topics.iter().map(|topic| {
+            let subscribers = topic.subscribers.iter();
+            let subscribers = subscribers.filter(|end| part.has(&end.component));
+            DescribedTopic {
+                name: topic.name.clone(),
+                kind: topic.kind.clone(),
+                subscribers: subscribers.map(ToString::to_string).collect(),
+            }
+        });
+        let specifications = here().filter_map(|it| DescribedSpecification::of(it, loader));
+        Self {
+            name: plan.name.clone(),
+            profile: plan.profile.clone(),
+            clock,
+            live: true,
+            components: components.collect(),
+            topics: topics.collect(),
+            specifications: specifications.collect(),
+        }
+    }
+
+    /// The initial states of the specifications: components, with pairs of location and value.
+    pub(crate) fn initial_states(&self) -> Vec<(String, Vec<(String, String)>)> {
+        let specifications = self.specifications.iter();
+        let initial = specifications.map(|it| (it.component.clone(), it.initial.clone()));
+        initial.collect()
+    }
+
+    /// The inputs that subscribe to a topic; `None` for an unknown topic.
+    pub(crate) fn subscribers(&self, topic: &str) -> Option<&[String]> {
+        let topic = self.topics.iter().find(|known| known.name == topic)?;
+        Some(&topic.subscribers)
+    }
+}
+
+impl DescribedSpecification {
+    fn of(component: &Component, loader: &dyn Loader) -> Option<Self> {
+        let Implementation::Asm { file, .. } = &component.implementation else {
+            return None;
+        };
+        let specification = asmotion_lang::open(file, loader).ok()?;
+        let functions = specification.model.own_functions();
+        let monitored = functions.filter(|(_, it)| it.kind == FunctionKind::Monitored);
+        Some(Self {
+            component: component.name.clone(),
+            files: files(&specification, file),
+            diagram: diagram(&specification),
+            initial: initial(&specification),
+            monitored: monitored.map(|(_, it)| it.name.to_string()).collect(),
+            properties: properties(&specification),
+        })
+    }
+}
+
+/// The texts of a specification without standard libraries, the main one first.
+fn files(specification: &Specification, main: &str) -> Vec<DescribedFile> {
+    let sources = &specification.sources;
+    let own = |path: &&str| {
+        let rules = specification
+            .model
+            .rules
+            .iter()
+            .map(|it| (it.span, it.library));
+        let functions = specification
+            .model
+            .functions
+            .iter()
+            .map(|it| (it.span, it.library));
+        let mut declared = rules.chain(functions);
+        **path == *main
+            || declared.any(|(span, library)| !library && sources.path(span.file) == *path)
+    };
+    let mut paths: Vec<&str> = sources.paths().filter(own).collect();
+    paths.sort_by_key(|path| *path != main);
+    let described = paths.into_iter().filter_map(|path| {
+        let file = sources.find(path)?;
+        Some(DescribedFile {
+            name: path.rsplit('/').next().unwrap_or(path).to_owned(),
+            text: sources.text(file).to_owned(),
+        })
+    });
+    described.collect()
+}
+
+/// The diagram of the control state: of the function with a usual name, or of the only one.
+fn diagram(specification: &Specification) -> Option<DescribedDiagram> {
+    let mut all = specification.control_diagrams();
+    let mut names = CONTROL_STATES.iter();
+    let named = names.find_map(|name| all.iter().position(|it| it.location == *name));
+    let index = named.or_else(|| (all.len() == 1).then_some(0))?;
+    let ControlDiagram {
+        location,
+        states,
+        initial,
+        transitions,
+    } = all.swap_remove(index);
+    let transitions = transitions.into_iter().map(|it| DescribedTransition {
+        from: it.from,
+        to: it.to,
+        guards: it.guards,
+        line: it.line,
+    });
+    Some(DescribedDiagram {
+        location,
+        states,
+        initial,
+        transitions: transitions.collect(),
+    })
+}
+
+/// The locations of the initial state that rules can update.
+fn initial(specification: &Specification) -> Vec<(String, String)> {
+    let Ok(machine) = specification.machine() else {
+        return Vec::new();
+    };
+    let (state, program) = (machine.state(), machine.program());
+    let locations = state.locations(program).into_iter();
+    let is_read_only = |kind| matches!(kind, FunctionKind::Monitored);
+    let known = locations.filter(|(function, ..)| {
+        let function = specification.model.functions.get(function.0 as usize);
+        function.is_some_and(|it| !is_read_only(it.kind))
+    });
+    let shown = known.map(|(function, arguments, slot)| {
+        let value = state.get(slot).show(&machine.naming()).to_string();
+        (simulate::applied(&machine, function, &arguments), value)
+    });
+    shown.collect()
+}
+
+fn properties(specification: &Specification) -> Vec<DescribedProperty> {
+    let model = &specification.model;
+    let spans = model.invariants.iter().map(|it| it.span);
+    let spans = spans.chain(model.properties.iter().map(|it| it.span));
+    let property = |span: asmotion_lang::diagnostics::Span| {
+        let (line, _) = specification.sources.position(span.file, span.start);
+        let text = specification.sources.snippet(span).split_whitespace();
+        DescribedProperty {
+            line,
+            text: text.collect::<Vec<_>>().join(" "),
+        }
+    };
+    spans.map(property).collect()
+}

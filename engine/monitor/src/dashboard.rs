@@ -1,0 +1,71 @@
+//! The dashboard: a server of what its source tells.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use asmotion_http::{ListenError, Listener, ListenerSettings};
+
+use crate::catalogue::SystemDescription;
+use crate::desk::{Desk, OrderBus};
+use crate::feed::Feed;
+use crate::handler::{DashboardHandler, SessionTable};
+use crate::settings::DashboardSettings;
+
+/// Limit on the time in which a request's header must arrive, and on the idle time of a connection.
+const REQUEST_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(10);
+
+/// What a dashboard shows.
+pub struct MonitorSource {
+    description: SystemDescription,
+    feed: Feed,
+    orders: Option<OrderBus>,
+}
+
+impl MonitorSource {
+    /// Creates a source, whose feed is empty. `orders` is the bus over which the system can be controlled; a recording has none.
+    pub fn new(description: SystemDescription, orders: Option<OrderBus>) -> Self {
+        Self {
+            feed: Feed::new(description.initial_states()),
+            description,
+            orders,
+        }
+    }
+
+    /// The feed, which receives the events of the system.
+    pub fn feed(&self) -> Feed {
+        self.feed.clone()
+    }
+}
+
+/// An open dashboard. Dropping this closes it, after the tabs have received what is new.
+#[derive(Debug)]
+pub struct Dashboard(Listener);
+
+impl Dashboard {
+    /// Opens a dashboard.
+    ///
+    /// # Errors
+    /// An error if it cannot listen at the address, or if no thread can be started.
+    pub fn open(settings: DashboardSettings, source: MonitorSource) -> Result<Self, ListenError> {
+        let listener = ListenerSettings {
+            address: settings.listen,
+            max_connections: settings.max_connections,
+            request_timeout: REQUEST_TIMEOUT,
+            thread: "dashboard",
+        };
+        let token = settings.control.clone();
+        let handler = DashboardHandler {
+            description: Arc::new(source.description),
+            feed: source.feed,
+            desk: Arc::new(Desk::new(source.orders, token, settings.armed_for)),
+            sessions: Arc::new(SessionTable::new()),
+            settings,
+        };
+        Listener::open(listener, Arc::new(handler)).map(Self)
+    }
+
+    /// The address it listens at, with the selected port.
+    pub fn address(&self) -> SocketAddr {
+        self.0.address()
+    }
+}

@@ -1,0 +1,177 @@
+//! Handles the requests of browsers and other programs.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use asmotion_http::{ConnectionPlace, HttpHandler, HttpRequest, HttpResponse};
+use hyper::header::{
+    CONNECTION, HeaderValue, SEC_WEBSOCKET_ACCEPT, SEC_WEBSOCKET_KEY, SEC_WEBSOCKET_VERSION,
+    UPGRADE,
+};
+use hyper::{Method, StatusCode};
+use tokio::sync::watch;
+use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
+
+use crate::catalogue::SystemDescription;
+use crate::desk::Desk;
+use crate::feed::Feed;
+use crate::session::Session;
+use crate::settings::DashboardSettings;
+use crate::{assets, frame, guard, metrics};
+
+const JSON: &str = "application/json";
+const TEXT: &str = "text/plain; charset=utf-8";
+
+/// Handles the requests of all connections.
+pub(crate) struct DashboardHandler {
+    pub settings: DashboardSettings,
+    pub description: Arc<SystemDescription>,
+    pub feed: Feed,
+    pub desk: Arc<Desk>,
+    pub sessions: Arc<SessionTable>,
+}
+
+/// The open WebSockets.
+pub(crate) struct SessionTable {
+    /// Number of the next one.
+    next: AtomicU64,
+    /// Each session holds a receiver, by which they are counted; the value is set when all have to end.
+    pub closing: watch::Sender<bool>,
+}
+
+impl SessionTable {
+    pub(crate) fn new() -> Self {
+        Self {
+            next: AtomicU64::new(1),
+            closing: watch::Sender::new(false),
+        }
+    }
+
+    /// Number of open WebSockets.
+    pub(crate) fn count(&self) -> usize {
+        self.closing.receiver_count()
+    }
+}
+
+impl HttpHandler for DashboardHandler {
+    async fn respond(
+        &self,
+        request: HttpRequest,
+        from: SocketAddr,
+        place: &Arc<ConnectionPlace>,
+    ) -> HttpResponse {
+        if let Err((status, text)) = guard::check(request.uri(), request.headers()) {
+            return guard::response(status, TEXT, text + "\n");
+        }
+        let path = request.uri().path().to_owned();
+        if path == "/live" {
+            return self.upgrade(request, from, place);
+        }
+        if request.method() != Method::GET && request.method() != Method::HEAD {
+            return guard::response(StatusCode::METHOD_NOT_ALLOWED, TEXT, "use `GET`\n");
+        }
+        self.read(&path)
+    }
+
+    fn busy(&self) -> HttpResponse {
+        let text = "too many connections: close a tab\n";
+        guard::response(StatusCode::SERVICE_UNAVAILABLE, TEXT, text)
+    }
+
+    async fn close(&self) {
+        self.sessions.closing.send_replace(true);
+        self.sessions.closing.closed().await;
+    }
+}
+
+impl DashboardHandler {
+    /// Responds to a request that changes nothing.
+    fn read(&self, path: &str) -> HttpResponse {
+        let json = |body: String| guard::response(StatusCode::OK, JSON, body + "\n");
+        match path {
+            "/metrics" => {
+                let text = metrics::text(&self.feed, self.sessions.count());
+                guard::response(StatusCode::OK, metrics::CONTENT_TYPE, text)
+            }
+            "/api/system" => json(serde_json::to_string(&*self.description).unwrap_or_default()),
+            "/api/outputs" => json(frame::outputs_json(&self.feed)),
+            "/api/components" => {
+                let presence = self.feed.state().presence.clone();
+                json(presence.map_or_else(|| "null".to_owned(), |it| it.json.to_string()))
+            }
+            "/api/states" => {
+                let states = serde_json::to_string(&self.feed.state().specifications);
+                json(states.unwrap_or_default())
+            }
+            path => {
+                if let Some(name) = path.strip_prefix("/api/output/") {
+                    let newest = self.feed.output(name).and_then(|slot| slot.newer_than(0));
+                    return match newest {
+                        Some(newest) => json(newest.json().to_string()),
+                        None => not_found("no such output has written: `/api/outputs` lists all\n"),
+                    };
+                }
+                match assets::find(path) {
+                    Some((kind, text)) => guard::response(StatusCode::OK, kind, text),
+                    None => not_found("no such page\n"),
+                }
+            }
+        }
+    }
+
+    /// Opens a WebSocket.
+    fn upgrade(
+        &self,
+        mut request: HttpRequest,
+        from: SocketAddr,
+        place: &Arc<ConnectionPlace>,
+    ) -> HttpResponse {
+        let headers = request.headers();
+        let is = |name, value: &str| {
+            headers
+                .get(name)
+                .is_some_and(|it| it.as_bytes().eq_ignore_ascii_case(value.as_bytes()))
+        };
+        let key = headers.get(SEC_WEBSOCKET_KEY).cloned();
+        let (true, true, Some(key)) = (
+            is(UPGRADE, "websocket"),
+            is(SEC_WEBSOCKET_VERSION, "13"),
+            key,
+        ) else {
+            let text = "a WebSocket of version 13 is expected here\n";
+            return guard::response(StatusCode::UPGRADE_REQUIRED, TEXT, text);
+        };
+        let session = Session {
+            client: self.sessions.next.fetch_add(1, Ordering::Relaxed),
+            name: from.to_string(),
+            settings: self.settings.clone(),
+            description: Arc::clone(&self.description),
+            feed: self.feed.clone(),
+            desk: Arc::clone(&self.desk),
+            closing: self.sessions.closing.subscribe(),
+        };
+        let place = Arc::clone(place);
+        let upgraded = hyper::upgrade::on(&mut request);
+        tokio::spawn(async move {
+            // keeps its place, and is not idle, as long as it is open
+            let _open = place.begin_call();
+            if let Ok(upgraded) = upgraded.await {
+                session.run(upgraded).await;
+            }
+        });
+        let mut response = guard::response(StatusCode::SWITCHING_PROTOCOLS, TEXT, "");
+        let accept = HeaderValue::try_from(derive_accept_key(key.as_bytes()));
+        let headers = response.headers_mut();
+        headers.insert(CONNECTION, HeaderValue::from_static("Upgrade"));
+        headers.insert(UPGRADE, HeaderValue::from_static("websocket"));
+        if let Ok(accept) = accept {
+            headers.insert(SEC_WEBSOCKET_ACCEPT, accept);
+        }
+        response
+    }
+}
+
+fn not_found(text: &'static str) -> HttpResponse {
+    guard::response(StatusCode::NOT_FOUND, TEXT, text)
+}

@@ -1,0 +1,38 @@
+//! Shows a running system in a web browser, and exports its figures to Prometheus.
+//!
+//! ```text
+//! source ── events ──→ Feed: newest samples, rings of steps and log entries, presence
+//!   │                   │ read by cursors, never waited for
+//!   │                   ├─→ /live: one WebSocket for each tab, a frame for each tick
+//!   │                   └─→ /metrics, /api
+//!   └── Desk ←── orders of the tab that is armed
+//! ```
+//!
+//! A [`MonitorSource`] is all that the server knows of a system: a description, a [`Feed`] and, if it can be controlled, a bus
+//! for orders. A running system writes to its feed as an [`Observer`](asmotion_runtime::Observer).
+
+mod assets;
+mod catalogue;
+mod dashboard;
+mod desk;
+mod feed;
+mod frame;
+mod guard;
+mod handler;
+mod log_entry;
+mod metrics;
+mod output_slot;
+mod page_request;
+mod rendering;
+mod ring;
+mod session;
+mod settings;
+mod specification_state;
+mod subscriptions;
+
+pub use asmotion_http::BearerToken;
+pub use catalogue::SystemDescription;
+pub use dashboard::{Dashboard, MonitorSource};
+pub use desk::OrderBus;
+pub use feed::Feed;
+pub use settings::{DashboardSettings, RandomError};

@@ -1,0 +1,89 @@
+// @ts-check
+// Elements. Every text that is shown becomes a text node: names and messages come from the bus and are not trusted.
+
+/** Makes an element with attributes, handlers (`onclick`) and children.
+ * @param {string} tag @param {Record<string, any>} [attributes] @param {...any} children */
+export function el(tag, attributes = {}, ...children) {
+  return fill(document.createElement(tag), attributes, children);
+}
+
+/** Makes an SVG element. @param {string} tag @param {Record<string, any>} [attributes] @param {...any} children */
+export function svg(tag, attributes = {}, ...children) {
+  return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
+}
+
+function fill(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value != null) element.setAttribute(name, String(value));
+  }
+  for (const child of children.flat()) {
+    if (child != null && child !== false) element.append(child instanceof Node ? child : document.createTextNode(String(child)));
+  }
+  return element;
+}
+
+/** Sets a text, if it has changed. */
+export function text(element, value) {
+  if (element.textContent !== value) element.textContent = value;
+}
+
+/** Sets the class, if it has changed. */
+export function className(element, value) {
+  if (element.getAttribute("class") !== value) element.setAttribute("class", value);
+}
+
+/** Makes the children of an element those of the items, and reuses the ones that are already there.
+ * @param {Element} parent @param {any[]} items @param {(item: any) => string} key @param {(item: any) => Element} make
+ * @param {(element: any, item: any) => void} update */
+export function list(parent, items, key, make, update) {
+  const known = parent["known"] ?? (parent["known"] = new Map());
+  const seen = new Set();
+  let place = parent.firstChild;
+  for (const item of items) {
+    const name = key(item);
+    if (seen.has(name)) continue;
+    seen.add(name);
+    let element = known.get(name);
+    if (!element) known.set(name, (element = make(item)));
+    update(element, item);
+    if (element === place) place = place.nextSibling;
+    else parent.insertBefore(element, place);
+  }
+  for (const [name, element] of known) {
+    if (!seen.has(name)) { element.remove(); known.delete(name); }
+  }
+}
+
+/** A panel with a head and a body. @param {string} title @param {string} name @param {any[]} head @param {...any} body */
+export function panel(title, name, head, ...body) {
+  return el("section", { class: `panel ${name}`, "aria-label": title }, el("div", { class: "head" }, el("h2", {}, title), head), body);
+}
+
+/** A colour of the style sheet. */
+export function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+/** Fits a canvas to its place, and returns its context and its size in CSS pixels. @param {HTMLCanvasElement} canvas */
+export function fitted(canvas) {
+  const [width, height, ratio] = [canvas.clientWidth, canvas.clientHeight, devicePixelRatio || 1];
+  const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return { context, width, height };
+}
+
+/** A number with a fixed number of decimals, or a dash. */
+export function fixed(value, decimals = 1) {
+  return typeof value === "number" && Number.isFinite(value) ? value.toFixed(decimals) : "–";
+}
+
+/** A time span in words. @param {number} seconds */
+export function span(seconds) {
+  if (seconds < 1) return `${Math.round(seconds * 1000)} ms`;
+  if (seconds < 60) return `${seconds.toFixed(1)} s`;
+  return `${Math.floor(seconds / 60)} min ${Math.floor(seconds % 60)} s`;
+}

@@ -1,0 +1,143 @@
+// @ts-check
+// The graph of components: who writes to whom, how often, and which connection has fallen silent.
+
+import { svg, text, className, list } from "./dom.js";
+import { layers } from "./layers.js";
+
+const [WIDTH, HEIGHT, COLUMN, ROW] = [146, 40, 252, 60];
+/** Longest label of a connection, in characters. */
+const LABEL = 18;
+
+export class Graph {
+  /** @param {any} app @param {(name: string) => void} onchoice */
+  constructor(app, onchoice) {
+    Object.assign(this, { app, onchoice });
+    this.edges = svg("g"); this.nodes = svg("g");
+    this.root = svg("svg", { class: "diagram graph", role: "img", "aria-label": "Graph of components", preserveAspectRatio: "xMidYMid meet" },
+      svg("defs", {}, svg("marker", { id: "arrow", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 8, markerHeight: 8, markerUnits: "userSpaceOnUse", orient: "auto" }, svg("path", { d: "M0 0 8 4 0 8z", class: "head" }))), this.edges, this.nodes);
+    this.shape = "";
+  }
+
+  /** The edges: outputs to components, grouped by their ends. */
+  links() {
+    const { store } = this.app;
+    const links = new Map();
+    const of = (end) => end.slice(0, end.lastIndexOf("."));
+    const add = (from, to, output, isCall = false) => {
+      if (from === to) return;
+      const key = `${from}>${to}`;
+      const link = links.get(key) ?? { key, from, to, outputs: new Set(), calls: 0 };
+      if (isCall) link.calls++; else link.outputs.add(output);
+      links.set(key, link);
+    };
+    const references = new Set(store.components.flatMap((it) => it.references.map((reference) => `${it.name}.${reference.name}`)));
+    const known = new Set(store.components.map((it) => it.name));
+    for (const { from, to } of store.presence?.joined ?? []) {
+      if (known.has(of(from)) && known.has(of(to))) add(of(from), of(to), from, references.has(from));
+    }
+    for (const topic of store.presence?.topics ?? []) {
+      for (const from of topic.publishers) for (const to of topic.subscribers) add(of(from), of(to), from);
+    }
+    return [...links.values()];
+  }
+
+  draw(chosen) {
+    const { store } = this.app;
+    const links = this.links();
+    const names = store.components.map((it) => it.name);
+    const shape = JSON.stringify([names, links.map((it) => it.key)]);
+    if (shape !== this.shape) { this.shape = shape; this.place(names, links); }
+    const key = (it) => it.key;
+    this.taken = [...this.at.values()].map(([x, y]) => [x, y, WIDTH / 2, HEIGHT / 2 + 4]);
+    list(this.edges, links, key, () => svg("g", { class: "edge" }, svg("title"), svg("path", { "marker-end": "url(#arrow)" }), svg("text")), (edge, it) => this.edge(edge, it, chosen));
+    list(this.nodes, store.components, (it) => it.name, (it) => this.make(it.name), (node, it) => {
+      const stale = store.outputs.some((output) => output.stale && output.name.startsWith(`${it.name}.`));
+      className(node, `node ${it.state !== "Running" || stale ? "bad" : ""} ${it.name === chosen ? "chosen" : ""}`);
+      const [x, y] = this.at.get(it.name);
+      node.setAttribute("transform", `translate(${x} ${y})`);
+      const inside = it.name.includes("/") ? it.name.slice(0, it.name.indexOf("/")) : "";
+      const rate = it.period_ms ? `${it.rate_hz.toFixed(0)} Hz` : "event";
+      text(node.children[3], it.state === "Running" ? stale ? `⚠ silent  ${rate}` : `${inside ? `${inside} · ` : ""}${rate}  ${it.cycle_mean_ms.toFixed(2)} ms` : `⚠ ${it.state}`);
+    });
+  }
+
+  make(name) {
+    const own = name.slice(name.lastIndexOf("/") + 1);
+    const short = own.length > 20 ? `${own.slice(0, 19)}…` : own;
+    return svg("g", { class: "node", onclick: () => this.onchoice(name) }, svg("title", {}, name), svg("rect", { x: -WIDTH / 2, y: -HEIGHT / 2, width: WIDTH, height: HEIGHT, rx: 6 }),
+      svg("text", { y: -3 }, short), svg("text", { class: "small", y: 12 }));
+  }
+
+  place(names, links) {
+    this.at = new Map();
+    let [width, height] = [0, 8];
+    for (const part of parts(names, links)) {
+      const inside = links.filter((it) => part.includes(it.from)).map((it) => /** @type {[string, string]} */ ([it.from, it.to]));
+      const placed = layers(part, inside);
+      const columns = 1 + Math.max(...[...placed.values()].map((it) => it.layer));
+      const most = Math.max(...[...Array(columns).keys()].map((layer) => [...placed.values()].filter((it) => it.layer === layer).length));
+      for (const [name, { layer, place }] of placed) this.at.set(name, [10 + WIDTH / 2 + layer * COLUMN, height + place * most * ROW]);
+      width = Math.max(width, columns * COLUMN - COLUMN + WIDTH + 20);
+      height += most * ROW + 12;
+    }
+    this.root.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    // what does not fit can be scrolled to; it is not made unreadable
+    this.root.style.minWidth = `${Math.round(width * 0.72)}px`;
+    this.root.style.minHeight = `${Math.round(height * 0.72)}px`;
+  }
+
+  /** A place for a label near this one, where it covers neither a node nor another label. */
+  free(x, y, words) {
+    const half = Math.min(words.length, LABEL) * 2.8 + 2;
+    for (let shift = 0; shift < 10; shift++) {
+      const row = y + (shift % 2 ? 1 : -1) * Math.ceil(shift / 2) * 11;
+      if (this.taken.every(([other, at, width, height]) => Math.abs(at - row) > height || Math.abs(other - x) > half + width)) { this.taken.push([x, row, half, 10]); return [x, row]; }
+    }
+    return [x, y];
+  }
+
+  edge(edge, it, chosen) {
+    const { store } = this.app;
+    const [x, y] = this.at.get(it.from), [tx, ty] = this.at.get(it.to);
+    const back = tx <= x;
+    const [sx, ex] = back ? [x - WIDTH / 2, tx + WIDTH / 2] : [x + WIDTH / 2, tx - WIDTH / 2];
+    const path = tx === x ? `M${x + WIDTH / 2} ${y} C${x + WIDTH / 2 + 40} ${y} ${x + WIDTH / 2 + 40} ${ty} ${x + WIDTH / 2 + 2} ${ty}`
+      : back ? `M${sx} ${y + 8} C${sx - 60} ${y + 34} ${ex + 60} ${ty + 34} ${ex + 2} ${ty + 8}` : `M${sx} ${y} C${sx + 44} ${y} ${ex - 44} ${ty} ${ex - 2} ${ty}`;
+    const outputs = [...it.outputs].map((name) => store.output.get(name) ?? { name, hz: null, age_ms: null, stale: false, never: true });
+    const broken = outputs.some((output) => output.stale);
+    const words = outputs.map((output) => {
+      const port = output.name.slice(output.name.lastIndexOf(".") + 1);
+      if (output.stale) return `${port} ⚠ ${(output.age_ms / 1000).toFixed(0)} s`;
+      return output.hz ? `${port} ${output.hz.toFixed(0)} Hz` : port;
+    });
+    if (it.calls) words.push("calls");
+    text(edge.children[0], `${it.from} → ${it.to}\n${words.join("\n")}`);
+    edge.children[1].setAttribute("d", path);
+    const label = edge.children[2];
+    const onPath = it.from === chosen || it.to === chosen;
+    const worst = words.find((it) => it.includes("⚠")) ?? words[0] ?? "";
+    const all = words.length > 1 ? `${worst} +${words.length - 1}` : worst;
+    const [column, row] = this.free(tx === x ? x + WIDTH / 2 + 30 : (sx + ex) / 2, (y + ty) / 2 - 3 + (back ? 28 : 0), all);
+    label.setAttribute("x", String(column));
+    label.setAttribute("y", String(row));
+    text(label, all.length > LABEL ? `${all.slice(0, LABEL - 1)}…` : all);
+    className(edge, `edge ${broken ? "broken" : ""} ${onPath ? "chosen" : ""}`);
+  }
+}
+
+/** The connected parts of a graph, the largest first. */
+function parts(names, links) {
+  const left = new Set(names), all = [];
+  while (left.size) {
+    const part = new Set([left.values().next().value]);
+    for (const name of part) {
+      for (const { from, to } of links) {
+        if (from === name) part.add(to);
+        if (to === name) part.add(from);
+      }
+    }
+    part.forEach((name) => left.delete(name));
+    all.push(names.filter((name) => part.has(name)));
+  }
+  return all.sort((one, other) => other.length - one.length);
+}

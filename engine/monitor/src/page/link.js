@@ -1,0 +1,90 @@
+// @ts-check
+// The connection: one WebSocket for the tab. It comes back by itself, acknowledges frames after they have been drawn, and asks for
+// less while nobody looks.
+
+const SHORTEST_PAUSE = 500, LONGEST_PAUSE = 5000;
+
+export class Link {
+  /** @param {import("./store.js").Store} store */
+  constructor(store) {
+    this.store = store;
+    this.streams = "";
+    this.pause = SHORTEST_PAUSE;
+    this.next = 1;
+    /** Orders without a reply. @type {Map<number, (problem: string | null) => void>} */
+    this.pending = new Map();
+    this.unacknowledged = 0;
+    document.addEventListener("visibilitychange", () => this.subscribe(this.wanted ?? []));
+    this.connect();
+  }
+
+  connect() {
+    const socket = new WebSocket(`ws://${location.host}/live`);
+    this.socket = socket;
+    socket.onmessage = (event) => this.receive(JSON.parse(event.data));
+    socket.onclose = () => {
+      this.store.disconnected();
+      for (const done of this.pending.values()) done("the connection was lost: it is not known whether this was carried out");
+      this.pending.clear();
+      setTimeout(() => this.connect(), this.pause * (0.75 + Math.random() / 2));
+      this.pause = Math.min(this.pause * 2, LONGEST_PAUSE);
+    };
+  }
+
+  receive(message) {
+    switch (message.type) {
+      case "hello":
+        this.pause = SHORTEST_PAUSE;
+        this.streams = "";
+        this.store.connected(message);
+        this.subscribe(this.wanted ?? []);
+        break;
+      case "frame":
+        this.store.frame(message);
+        this.unacknowledged = message.seq;
+        // a tab that is not drawn does not ask for more than it has asked for
+        if (document.hidden) this.acknowledge();
+        break;
+      case "armed":
+        this.onarmed?.(null);
+        break;
+      case "done": case "problem": {
+        const problem = message.type === "done" ? null : message.text;
+        const done = this.pending.get(message.id);
+        this.pending.delete(message.id);
+        if (done) done(problem); else this.onarmed?.(problem);
+      }
+    }
+  }
+
+  /** Called after a frame has been drawn. */
+  acknowledge() {
+    if (this.unacknowledged) this.send({ type: "ack", seq: this.unacknowledged });
+    this.unacknowledged = 0;
+  }
+
+  /** Replaces the subscriptions. @param {string[]} streams */
+  subscribe(streams) {
+    this.wanted = streams;
+    const max_hz = document.hidden ? 1 : this.store.rate;
+    const request = JSON.stringify({ type: "subscribe", streams, max_hz });
+    if (request === this.streams || this.socket?.readyState !== WebSocket.OPEN) return;
+    this.streams = request;
+    this.socket.send(request);
+  }
+
+  send(message) {
+    if (this.socket?.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Sends an order or a message. @returns {Promise<string | null>} the problem, if there is one */
+  order(message) {
+    const id = this.next++;
+    return new Promise((resolve) => {
+      if (!this.send({ ...message, id })) return resolve("there is no connection");
+      this.pending.set(id, resolve);
+    });
+  }
+}

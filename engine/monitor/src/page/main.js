@@ -1,0 +1,200 @@
+// @ts-check
+// The frame around the views: header, tabs, keys, the time cursor, and the drawing loop.
+
+import { el, text, className, span } from "./dom.js";
+import { Link } from "./link.js";
+import { Store } from "./store.js";
+import { Control } from "./control.js";
+import { Overview } from "./overview.js";
+import { Spec } from "./spec.js";
+import { Time } from "./time.js";
+import { Components } from "./components.js";
+import { Joints } from "./joints.js";
+import { Logs } from "./logs.js";
+
+/** Interval between updates of texts and tables, ms: faster is not readable. */
+const TEXTS = 120;
+const BASE = ["components", "outputs", "steps", "log"];
+const byId = (name) => /** @type {HTMLElement} */ (document.getElementById(name));
+
+const store = new Store();
+const token = takeToken();
+const link = new Link(store);
+const control = new Control(store, link, token);
+const app = { store, link, control, paused: false, seek, redraw, show };
+
+const views = [
+  { name: "overview", title: "Overview", make: () => new Overview(app) },
+  { name: "spec", title: "Spec", make: () => new Spec(app) },
+  { name: "components", title: "Components", make: () => new Components(app) },
+  { name: "time", title: "Time", make: () => new Time(app) },
+  { name: "joints", title: "Joints", make: () => new Joints(app) },
+  { name: "logs", title: "Logs", make: () => new Logs(app) },
+].map((it) => ({ ...it, /** @type {any} */ view: null, /** @type {any} */ tab: null }));
+let current = views[0];
+let lastTexts = 0, forced = true, pausedAt = 0;
+
+/** The token from the address, which then disappears from it. The part behind `#` is sent to no server, and the storage of the
+ * tab belongs to this server alone. */
+function takeToken() {
+  const found = /^#token=([0-9a-f]+)$/.exec(location.hash);
+  if (found) {
+    sessionStorage.setItem("token", found[1]);
+    history.replaceState(null, "", "#overview");
+  }
+  return sessionStorage.getItem("token");
+}
+
+/** Moves the time that all views show; null is now. @param {number | null} t */
+function seek(t) {
+  store.cursor = t;
+  redraw();
+}
+
+function redraw() { forced = true; }
+
+/** @param {string} name */
+function show(name) { location.hash = name; }
+
+function select() {
+  const name = location.hash.slice(1);
+  current = views.find((it) => it.name === name) ?? views[0];
+  for (const it of views) {
+    it.tab.setAttribute("aria-selected", String(it === current));
+    it.tab.tabIndex = it === current ? 0 : -1;
+  }
+  if (store.system) current.view ??= current.make();
+  byId("view").replaceChildren(current.view?.root ?? el("p", { class: "empty" }, "Waiting for the system …"));
+  document.title = `${store.system?.name ?? "asmotion"} · ${current.title}`;
+  redraw();
+}
+
+function header(now) {
+  const silence = store.silence(now);
+  const ended = store.end !== null;
+  text(byId("name"), store.system?.name ?? "asmotion");
+  text(byId("clock"), store.system ? [store.system.profile, store.system.clock].filter(Boolean).join(" · ") : "");
+  text(byId("time"), `${store.t.toFixed(1)} s`);
+  const lost = silence > 0 && !ended;
+  document.body.classList.toggle("lost", lost);
+  document.body.classList.toggle("paused", app.paused);
+  const chip = byId("connection");
+  className(chip, `chip ${ended ? "note" : lost ? "bad" : "good"}`);
+  text(chip, ended ? "■ ended" : lost ? `▲ no connection for ${Math.floor(silence / 1000)} s` : "● live");
+  control.draw(byId("control"), lost || ended);
+  banner(lost, ended, silence, now);
+}
+
+function banner(lost, ended, silence, now) {
+  const place = byId("banner");
+  let words = "", action = null;
+  if (ended) words = `The run has ended: ${store.end}. What is shown is its last state.`;
+  else if (lost) words = `No connection to the system for ${span(silence / 1000)}: what is shown is outdated.`;
+  else if (app.paused) [words, action] = [`The view is paused for ${span((now - pausedAt) / 1000)}; the system continues.`, ["Resume", pause]];
+  else if (store.cursor !== null) [words, action] = [`Showing ${store.cursor.toFixed(2)} s, ${span(Math.max(0, store.t - store.cursor))} ago.`, ["Back to live", () => seek(null)]];
+  place.hidden = !words;
+  className(place, lost ? "bad" : "");
+  const kind = action ? String(action[0]) : "";
+  if (place.dataset.kind !== kind || !place.firstChild) {
+    place.dataset.kind = kind;
+    place.replaceChildren(el("span"), ...(action ? [el("button", { type: "button", onclick: action[1] }, action[0])] : []));
+  }
+  text(place.firstChild, words);
+}
+
+function pause() {
+  app.paused = !app.paused;
+  pausedAt = performance.now();
+  byId("pause").setAttribute("aria-pressed", String(app.paused));
+  text(byId("pause"), app.paused ? "Resume view" : "Pause view");
+  redraw();
+}
+
+/** Tells readers of the screen what matters, at most once a second. */
+const announce = (() => {
+  let last = 0, said = "";
+  return (now) => {
+    if (now - last < 1000 || !store.system) return;
+    const states = store.system.specifications.filter((it) => it.diagram).map((it) => {
+      const value = store.states[it.component]?.locations[it.diagram.location]?.value;
+      return value ? `${it.component}: ${value}` : "";
+    });
+    const words = states.filter(Boolean).join(", ");
+    if (words !== said) { text(byId("announcer"), words); said = words; last = now; }
+  };
+})();
+
+let shownSystem = null;
+function draw(now) {
+  requestAnimationFrame(draw);
+  if (store.system !== shownSystem) {
+    shownSystem = store.system;
+    for (const it of views) it.view = null;
+    select();
+  }
+  const texts = forced || now - lastTexts > TEXTS;
+  if (texts) { header(now); announce(now); }
+  if (store.system && (!app.paused || forced)) {
+    current.view?.draw(now, texts);
+    link.subscribe([...new Set([...BASE, ...store.ofType("nav_msgs/Odometry"), ...store.ofType("youbot/JointStatus"), ...(current.view?.streams() ?? [])])].slice(0, 60));
+  }
+  if (texts) { lastTexts = now; forced = false; }
+  link.acknowledge();
+}
+
+function key(event) {
+  const inField = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName);
+  if (event.key === "Escape" && inField) return event.target.blur();
+  if (inField || event.ctrlKey || event.metaKey || event.altKey) return;
+  const index = Number(event.key) - 1;
+  if (views[index]) show(views[index].name);
+  else if (event.key === " " && event.target.tagName !== "BUTTON") pause();
+  else if (event.key === "[" || event.key === "]") step(event.key === "]" ? 1 : -1);
+  else if (event.key === "/") byId("view").querySelector("input")?.focus();
+  else if (!current.view?.key?.(event)) {
+    if (event.key === "Escape" && store.cursor !== null) seek(null); else return;
+  }
+  event.preventDefault();
+}
+
+/** Moves the cursor to the previous or next step. @param {number} by */
+function step(by) {
+  const at = store.cursor ?? Infinity;
+  const found = by < 0 ? store.steps.findLast((it) => it.t < at - 1e-9) : store.steps.find((it) => it.t > at + 1e-9);
+  if (found) seek(by < 0 && store.cursor === null ? store.steps.at(-1).t : found.t); else if (by > 0) seek(null);
+}
+Object.assign(app, { step });
+
+function build() {
+  const tabs = byId("tabs");
+  views.forEach((it, index) => {
+    it.tab = el("button", { role: "tab", type: "button", onclick: () => show(it.name) }, el("kbd", {}, index + 1), it.title);
+    tabs.append(it.tab);
+  });
+  tabs.addEventListener("keydown", (event) => {
+    const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!by) return;
+    const next = views[(views.indexOf(current) + by + views.length) % views.length];
+    show(next.name);
+    next.tab.focus();
+  });
+  byId("pause").addEventListener("click", pause);
+  const theme = () => document.documentElement.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  const saved = localStorage.getItem("theme");
+  if (saved) document.documentElement.dataset.theme = saved;
+  byId("theme").addEventListener("click", () => {
+    document.documentElement.dataset.theme = theme() === "dark" ? "light" : "dark";
+    localStorage.setItem("theme", document.documentElement.dataset.theme);
+    for (const it of views) it.view?.recolour?.();
+    redraw();
+  });
+  addEventListener("hashchange", select);
+  addEventListener("keydown", key);
+  addEventListener("resize", redraw);
+}
+
+build();
+// for the tests of the page, and for the console
+Object.assign(globalThis, { asmotion: app });
+select();
+requestAnimationFrame(draw);

@@ -1,0 +1,278 @@
+// @ts-check
+// What the tab knows of the system: the counterpart of the server's feed, with bounded histories.
+
+const MAX_STEPS = 1000, MAX_LOG = 2000, MAX_TRAIL = 20000, MAX_SERIES = 6000;
+/** Silence after which the connection counts as lost, ms: the server sends something every 500 ms. */
+const SILENT = 2000;
+const NUMBERS = { NaN: NaN, Infinity: Infinity, "-Infinity": -Infinity };
+
+export class Store {
+  constructor() {
+    /** @type {any} */ this.system = null;
+    this.rate = 30;
+    this.control = false;
+    this.connectedSince = null;
+    this.lastFrame = performance.now();
+    this.reset();
+  }
+
+  reset() {
+    this.t = 0;
+    this.wall = 0;
+    this.lost = 0;
+    /** @type {any} */ this.permission = "view";
+    this.end = null;
+    /** @type {any[]} */ this.components = [];
+    this.presence = null;
+    /** @type {any[]} */ this.outputs = [];
+    /** @type {Map<string, any>} */ this.output = new Map();
+    /** @type {Record<string, any>} */ this.states = {};
+    /** Steps by component, oldest first. @type {Map<string, any[]>} */ this.history = new Map();
+    /** Time since when all steps of a component are known. @type {Map<string, number>} */ this.knownSince = new Map();
+    /** @type {any[]} */ this.merged = []; this.mergedAt = -1;
+    /** Log entries by time; calls can be many, and do not displace the others. @type {any[]} */ this.log = [];
+    /** @type {any[]} */ this.notes = []; /** @type {any[]} */ this.calls = [];
+    this.missed = { steps: 0, log: 0 };
+    /** @type {Map<string, any>} */ this.samples = new Map();
+    /** Driven paths by output: [t, x, y, yaw]. @type {Map<string, number[][]>} */ this.trails = new Map();
+    /** Samples of joints by output: { t, position, … }. @type {Map<string, any[]>} */ this.series = new Map();
+    /** Numbers of changes, by which views see what is new. */
+    this.changes = { components: 0, outputs: 0, steps: 0, log: 0, samples: 0 };
+    /** Types of ports by name. @type {Map<string, string>} */ this.types = new Map();
+    /** The time that all views show; null is now. @type {number | null} */ this.cursor = null;
+  }
+
+  connected(hello) {
+    const same = JSON.stringify(this.system) === JSON.stringify(hello.system);
+    // the run may be another one: what is known of the last one is not mixed with it
+    this.reset();
+    this.restarted = this.system !== null && !same;
+    this.system = hello.system;
+    this.control = hello.control;
+    this.connectedSince = performance.now();
+    this.lastFrame = performance.now();
+  }
+
+  disconnected() { this.connectedSince = null; }
+
+  /** Milliseconds without a frame, if that is too long. */
+  silence(now = performance.now()) {
+    const silent = now - this.lastFrame;
+    return this.connectedSince === null || silent > SILENT ? silent : 0;
+  }
+
+  frame(frame) {
+    this.lastFrame = performance.now();
+    this.t = frame.t;
+    this.wall = frame.wall;
+    this.lost = frame.lost;
+    this.permission = frame.control;
+    this.end = frame.end;
+    if (frame.states) this.states = frame.states;
+    if (frame.components) this.describe(frame.components);
+    if (frame.outputs) {
+      this.outputs = frame.outputs;
+      this.output = new Map(frame.outputs.map((it) => [it.name, it]));
+      this.changes.outputs++;
+    }
+    if (frame.history) this.recall(frame.history);
+    if (frame.steps) this.step(frame);
+    if (frame.log || frame.calls) this.note(frame);
+    for (const [name, sample] of Object.entries(frame.samples ?? {})) this.sample(name, sample);
+  }
+
+  note(frame) {
+    this.notes = append(this.notes, frame.log ?? [], MAX_LOG);
+    this.calls = append(this.calls, frame.calls ?? [], MAX_LOG / 2);
+    this.log = [...this.notes, ...this.calls].sort((one, other) => one.t - other.t);
+    this.missed.log += (frame.missed_log ?? 0) + (frame.missed_calls ?? 0);
+    this.changes.log++;
+  }
+
+  describe(presence) {
+    this.presence = presence;
+    this.components = presence.components;
+    for (const component of presence.components) {
+      for (const port of [...component.inputs, ...component.outputs]) this.types.set(`${component.name}.${port.name}`, port.type);
+    }
+    for (const it of presence.components) this.read(it.name, Object.fromEntries(it.inspection));
+    this.changes.components++;
+  }
+
+  /** Takes the inputs that the last step of a specification has read: a step that writes nothing is not reported. */
+  read(component, status) {
+    const locations = this.states[component]?.locations;
+    if (!locations || !status.read) return;
+    for (const [location, value] of Object.entries(status.read)) {
+      if ((locations[location]?.step ?? 0) <= status.step) locations[location] = { value, monitored: true, step: status.step, t: this.t };
+    }
+  }
+
+  step(frame) {
+    this.missed.steps += frame.missed_steps ?? 0;
+    for (const entry of frame.steps) {
+      this.remember(entry);
+      const state = (this.states[entry.component] ??= { locations: {}, heat: {}, step: 0 });
+      // the states that come with the first frame already contain the steps that come with it
+      if (entry.step.number <= state.step) continue;
+      state.step = entry.step.number;
+      for (const [location, value] of entry.step.inputs) {
+        state.locations[location] = { value, monitored: true, step: entry.step.number, t: entry.t };
+      }
+      for (const update of entry.step.updates) {
+        state.locations[update.location] = { value: update.after, monitored: false, step: entry.step.number, t: entry.t };
+        state.heat[update.place] = (state.heat[update.place] ?? 0) + 1;
+      }
+    }
+    this.changes.steps++;
+  }
+
+  /** Takes the last steps of each specification, and notes since when all of them are known. */
+  recall(history) {
+    for (const entry of history) this.remember(entry);
+    for (const [component, steps] of this.history) {
+      const complete = (this.states[component]?.reported ?? 0) <= steps.length;
+      this.knownSince.set(component, complete ? 0 : steps[0].t);
+    }
+  }
+
+  remember(entry) {
+    const steps = this.history.get(entry.component) ?? [];
+    this.history.set(entry.component, steps);
+    if (steps.length && steps.at(-1).step.number >= entry.step.number) return;
+    steps.push(entry);
+    if (steps.length > MAX_STEPS) { steps.splice(0, MAX_STEPS / 4); this.knownSince.set(entry.component, steps[0].t); }
+    this.changes.steps++;
+  }
+
+  /** The steps of all components, oldest first. */
+  get steps() {
+    if (this.mergedAt !== this.changes.steps) {
+      this.mergedAt = this.changes.steps;
+      this.merged = [...this.history.values()].flat().sort((one, other) => one.t - other.t);
+    }
+    return this.merged;
+  }
+
+  sample(name, sample) {
+    sample.type ||= this.types.get(name) ?? "";
+    sample.data = revived(sample.data);
+    this.samples.set(name, sample);
+    this.changes.samples++;
+    if (sample.type === "nav_msgs/Odometry") {
+      const { position, orientation } = sample.data.pose.pose;
+      const trail = this.trails.get(name) ?? [];
+      this.trails.set(name, trail);
+      const last = trail.at(-1);
+      if (!last || sample.t - last[0] > 0.2 || Math.hypot(position.x - last[1], position.y - last[2]) > 0.05) {
+        trail.push([sample.t, position.x, position.y, yaw(orientation)]);
+        if (trail.length > MAX_TRAIL) trail.splice(0, MAX_TRAIL / 4);
+      }
+    }
+    if (sample.type === "youbot/JointStatus") {
+      const series = this.series.get(name) ?? [];
+      this.series.set(name, series);
+      series.push({ t: sample.t, ...sample.data });
+      if (series.length > MAX_SERIES) series.splice(0, MAX_SERIES / 4);
+    }
+  }
+
+  /** Names of the ports of a type that have written or been written. @param {string} type */
+  ofType(type) {
+    const found = this.outputs.filter((it) => (it.type || this.types.get(it.name)) === type);
+    return found.map((it) => it.name);
+  }
+
+  /** Time since the newest sample of an output, ms: as the server says, and since then. @param {string} name */
+  age(name) {
+    const output = this.output.get(name);
+    return output ? output.age_ms + (performance.now() - this.lastFrame) : null;
+  }
+
+  /** Whether what an output says may be outdated. @param {string} name */
+  isStale(name) {
+    return !!this.output.get(name)?.stale || this.silence() > 0;
+  }
+
+  /** Steps of a component that are still known, oldest first. @param {string} component */
+  stepsOf(component) { return this.history.get(component) ?? []; }
+
+  /** The step of a component at the cursor: the last one up to then; the newest one without a cursor. */
+  stepAt(component, cursor = this.cursor) {
+    const steps = this.stepsOf(component);
+    if (cursor === null) return steps.at(-1);
+    return steps.findLast((it) => it.t <= cursor + 1e-9);
+  }
+
+  /** The values of all locations at the cursor, from the present ones by undoing later steps. @param {string} component */
+  locationsAt(component, cursor = this.cursor) {
+    const state = this.states[component];
+    if (!state) return {};
+    const locations = { ...state.locations };
+    if (cursor === null) return locations;
+    const steps = this.stepsOf(component);
+    let index = steps.length - 1;
+    for (; index >= 0 && steps[index].t > cursor + 1e-9; index--) {
+      for (const update of steps[index].step.updates) {
+        locations[update.location] = { value: update.before, monitored: false, step: null, t: null };
+      }
+      for (const [location] of steps[index].step.inputs) delete locations[location];
+    }
+    for (const { step, t } of steps.slice(Math.max(0, index - 30), index + 1)) {
+      for (const [location, value] of step.inputs) locations[location] = { value, monitored: true, step: step.number, t };
+      for (const update of step.updates) locations[update.location] = { value: update.after, monitored: false, step: step.number, t };
+    }
+    return locations;
+  }
+}
+
+function append(list, entries, limit) {
+  const all = list.concat(entries);
+  return all.length > limit ? all.slice(all.length - limit) : all;
+}
+
+/** Undoes the compact forms of the server: runs of integers, and numbers that JSON lacks. */
+function revived(value) {
+  if (typeof value === "string") return value in NUMBERS ? NUMBERS[value] : value;
+  if (Array.isArray(value)) return value.map(revived);
+  if (value === null || typeof value !== "object") return value;
+  if (Array.isArray(value.rle)) return runs(value.rle);
+  return Object.fromEntries(Object.entries(value).map(([name, it]) => [name, revived(it)]));
+}
+
+function runs(rle) {
+  let count = 0;
+  for (let at = 1; at < rle.length; at += 2) count += rle[at];
+  const all = new Int32Array(count);
+  for (let at = 0, to = 0; at < rle.length; at += 2) { all.fill(rle[at], to, to + rle[at + 1]); to += rle[at + 1]; }
+  return all;
+}
+
+/** The angle of a quaternion about the vertical axis, rad. */
+export function yaw({ x = 0, y = 0, z = 0, w = 1 }) {
+  return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+}
+
+/** What is wrong, in words. @param {Store} store @returns {{ level: string, text: string }[]} */
+export function findings(store) {
+  const all = [];
+  for (const it of store.components) {
+    if (it.state !== "Running") all.push({ level: "bad", text: `${it.name} is not running: ${it.state}` });
+    if (it.late) all.push({ level: "note", text: `${it.name}: ${it.late} cycles exceeded the deadline` });
+    if (it.overruns) all.push({ level: "note", text: `${it.name} has missed ${it.overruns} periods` });
+    for (const input of it.inputs) {
+      if (input.lost) all.push({ level: "note", text: `${it.name}.${input.name} has lost ${input.lost} messages` });
+    }
+    if (it.misfits) all.push({ level: "note", text: `${it.name} has ignored ${it.misfits} messages with unsuitable content` });
+    const silent = new Map(it.inspection).get("silent") ?? [];
+    if (silent.length) all.push({ level: "hint", text: `${it.name} has not received anything for ${silent.join(", ")}` });
+  }
+  for (const it of store.outputs) {
+    if (!it.stale) continue;
+    const readers = (store.presence?.joined ?? []).filter((joined) => joined.from === it.name || joined.from === `topic:${it.topic}`);
+    const to = readers.length ? `; read by ${[...new Set(readers.map((joined) => joined.to))].join(", ")}` : "";
+    all.push({ level: "bad", text: `${it.name} has been silent for ${(it.age_ms / 1000).toFixed(1)} s, usual rate ${it.hz?.toFixed(1)} Hz${to}` });
+  }
+  if (store.lost) all.push({ level: "note", text: `${store.lost} events were not observed: the machine is overloaded` });
+  return all;
+}

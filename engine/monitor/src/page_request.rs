@@ -1,0 +1,51 @@
+//! The messages of a tab.
+
+use asmotion_datum::Datum;
+use asmotion_remote::OrderKind;
+use serde::Deserialize;
+
+/// A message of a tab, in JSON.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum PageRequest {
+    /// Replaces the subscriptions.
+    Subscribe {
+        /// `components`, `outputs`, `steps`, `log`, or an output `Component.port`.
+        streams: Vec<String>,
+        /// Limit on frames per second.
+        max_hz: f64,
+    },
+    /// The tab has processed a frame.
+    Ack {
+        /// Number of the frame.
+        seq: u64,
+    },
+    /// Asks for permission to control the system.
+    Arm {
+        /// The token of the dashboard.
+        token: String,
+        /// Whether to take the permission from another tab.
+        #[serde(default)]
+        take: bool,
+    },
+    /// Gives the permission back.
+    Disarm,
+    /// Requests an action of a component.
+    Order {
+        /// Number of the request, which the reply repeats.
+        id: u64,
+        /// Name of the component.
+        component: String,
+        /// The action.
+        wish: OrderKind,
+    },
+    /// Publishes a message on a topic, for all its subscribers in this process.
+    Publish {
+        /// Number of the request, which the reply repeats.
+        id: u64,
+        /// Name of the topic.
+        topic: String,
+        /// The message.
+        value: Datum,
+    },
+}

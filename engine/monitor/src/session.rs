@@ -1,0 +1,306 @@
+//! A session: the WebSocket of one tab.
+//!
+//! The tab acknowledges each frame, and the server has at most two under way. What a tab that is frozen misses is therefore not
+//! in a queue or in the socket: when it continues, its next frame has the newest samples, and counts the steps and log entries
+//! that it has missed.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_datum::Datum;
+use asmotion_remote::{Order, OrderKind};
+use futures_util::sink::SinkExt;
+use hyper::upgrade::Upgraded;
+use hyper_util::rt::TokioIo;
+use serde_json::json;
+use tokio::sync::{mpsc, watch};
+use tokio::time::{MissedTickBehavior, timeout};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::protocol::{
+    CloseFrame, Role, WebSocketConfig, frame::coding::CloseCode,
+};
+use tokio_tungstenite::tungstenite::{Error, Message};
+
+use crate::catalogue::SystemDescription;
+use crate::desk::{Desk, OrderBus};
+use crate::feed::Feed;
+use crate::frame::FrameWriter;
+use crate::page_request::PageRequest;
+use crate::settings::DashboardSettings;
+use crate::subscriptions::{self, Subscriptions};
+
+/// Version of the messages.
+const VERSION: u32 = 1;
+/// Limit on frames that the tab has not acknowledged.
+const MAX_UNDER_WAY: u64 = 2;
+/// Limit on the time in which a message must leave, after which the tab is given up.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// Limit on the orders of a tab that have not been carried out.
+const MAX_ORDERS: usize = 8;
+
+/// A session with a tab.
+pub(crate) struct Session {
+    /// Number of the session.
+    pub client: u64,
+    /// Name of the client in the log: its address.
+    pub name: String,
+    pub settings: DashboardSettings,
+    pub description: Arc<SystemDescription>,
+    pub feed: Feed,
+    pub desk: Arc<Desk>,
+    /// Set when the dashboard closes.
+    pub closing: watch::Receiver<bool>,
+}
+
+type PageSocket = WebSocketStream<TokioIo<Upgraded>>;
+
+/// The part of a session that changes.
+struct SessionProgress {
+    subscriptions: Subscriptions,
+    writer: FrameWriter,
+    /// Number of the last acknowledged frame.
+    acknowledged: u64,
+    ticks: tokio::time::Interval,
+    replies: mpsc::Sender<String>,
+}
+
+impl Session {
+    /// Runs the session until the tab or the dashboard closes it.
+    pub(crate) async fn run(mut self, upgraded: Upgraded) {
+        let config = WebSocketConfig::default()
+            .max_message_size(Some(self.settings.max_message))
+            .max_frame_size(Some(self.settings.max_message))
+            .read_buffer_size(16 * 1024);
+        let stream = TokioIo::new(upgraded);
+        let mut socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
+        let _ = self.serve(&mut socket).await;
+        self.desk.disarm(self.client);
+        let _ = timeout(PATIENCE, socket.close(None)).await;
+    }
+
+    /// Serves the tab. Returns an error if the connection is broken.
+    async fn serve(&mut self, socket: &mut PageSocket) -> Result<(), Error> {
+        let (replies, mut replied) = mpsc::channel(MAX_ORDERS);
+        let mut progress = SessionProgress {
+            subscriptions: Subscriptions::default(),
+            writer: FrameWriter::new(),
+            acknowledged: 0,
+            ticks: ticks(2.0),
+            replies,
+        };
+        send(socket, self.greeting()).await?;
+        let mut closing = self.closing.clone();
+        loop {
+            tokio::select! {
+                message = next(socket) => match message {
+                    Some(Ok(Message::Text(text))) => {
+                        if let Some(reply) = self.request(&text, &mut progress) {
+                            send(socket, reply).await?;
+                        }
+                    }
+                    Some(Ok(Message::Close(_))) | None => return Ok(()),
+                    Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_))) => {}
+                    Some(Ok(Message::Binary(_))) => return refuse(socket, CloseCode::Unsupported).await,
+                    Some(Err(Error::Capacity(_))) => return refuse(socket, CloseCode::Size).await,
+                    Some(Err(error)) => return Err(error),
+                },
+                Some(reply) = replied.recv() => send(socket, reply).await?,
+                _ = progress.ticks.tick() => {
+                    let under_way = progress.writer.seq - progress.acknowledged;
+                    if under_way < MAX_UNDER_WAY && let Some(frame) = self.frame(&mut progress) {
+                        send(socket, frame).await?;
+                    }
+                }
+                () = closed(&mut closing) => {
+                    if let Some(frame) = self.frame(&mut progress) {
+                        send(socket, frame).await?;
+                    }
+                    return refuse(socket, CloseCode::Away).await;
+                }
+            }
+        }
+    }
+
+    /// The first message, with everything that does not change.
+    fn greeting(&self) -> String {
+        let greeting = json!({
+            "type": "hello", "v": VERSION, "client": self.client, "control": self.desk.is_open(), "system": &*self.description,
+        });
+        greeting.to_string()
+    }
+
+    fn frame(&self, progress: &mut SessionProgress) -> Option<String> {
+        let desk = (&*self.desk, self.client);
+        progress
+            .writer
+            .next(&mut progress.subscriptions, &self.feed, desk)
+    }
+
+    /// Handles a message of the tab. Returns the immediate reply, if there is one.
+    fn request(&self, text: &str, progress: &mut SessionProgress) -> Option<String> {
+        let request = match serde_json::from_str(text) {
+            Ok(request) => request,
+            Err(error) => {
+                return Some(problem(
+                    None,
+                    &format!("this message is not understood: {error}"),
+                ));
+            }
+        };
+        match request {
+            PageRequest::Subscribe { streams, max_hz } => {
+                progress.ticks = ticks(max_hz);
+                let limit = self.settings.max_subscriptions;
+                let replaced = progress.subscriptions.replace(&streams, &self.feed, limit);
+                replaced.err().map(|error| problem(None, &error))
+            }
+            PageRequest::Ack { seq } => {
+                progress.acknowledged = progress.acknowledged.max(seq.min(progress.writer.seq));
+                None
+            }
+            PageRequest::Arm { token, take } => match self.desk.arm(self.client, &token, take) {
+                Ok(()) => {
+                    self.feed.command(&self.name, "armed");
+                    Some(json!({ "type": "armed" }).to_string())
+                }
+                Err(error) => Some(problem(None, &error.to_string())),
+            },
+            PageRequest::Disarm => {
+                self.desk.disarm(self.client);
+                None
+            }
+            PageRequest::Order {
+                id,
+                component,
+                wish,
+            } => {
+                let order = Order { component, wish };
+                self.orders(id, vec![order], progress)
+            }
+            PageRequest::Publish { id, topic, value } => match self.published(&topic, &value) {
+                Ok(orders) => self.orders(id, orders, progress),
+                Err(error) => Some(problem(Some(id), &error)),
+            },
+        }
+    }
+
+    /// The orders that pass a message to all subscribers of a topic.
+    fn published(&self, topic: &str, value: &Datum) -> Result<Vec<Order>, String> {
+        // before the topic: a tab that controls nothing learns why, whatever it sends
+        let permission = self.desk.order_bus(self.client);
+        permission.map_err(|error| error.to_string())?;
+        let subscribers = self.description.subscribers(topic);
+        let subscribers = subscribers.ok_or_else(|| format!("there is no topic `{topic}`"))?;
+        let orders = subscribers.iter().filter_map(|input| {
+            let (component, port) = input.rsplit_once('.')?;
+            Some(Order {
+                component: component.to_owned(),
+                wish: OrderKind::Write(port.to_owned(), value.clone()),
+            })
+        });
+        let orders: Vec<Order> = orders.collect();
+        if orders.is_empty() {
+            return Err(format!("`{topic}` has no subscriber here"));
+        }
+        Ok(orders)
+    }
+
+    /// Sends orders; the reply follows when they have been carried out.
+    fn orders(&self, id: u64, orders: Vec<Order>, progress: &SessionProgress) -> Option<String> {
+        let bus = match self.desk.order_bus(self.client) {
+            Ok(bus) => bus,
+            Err(error) => return Some(problem(Some(id), &error.to_string())),
+        };
+        // a place for the reply limits the orders under way
+        let Ok(reply) = progress.replies.clone().try_reserve_owned() else {
+            return Some(problem(
+                Some(id),
+                "too many orders are under way: try again",
+            ));
+        };
+        for order in &orders {
+            self.feed.command(&self.name, &described(order));
+        }
+        let (feed, name) = (self.feed.clone(), self.name.clone());
+        tokio::spawn(async move {
+            let outcome = carry_out(&bus, &orders).await;
+            if let Err(error) = &outcome {
+                feed.command(&name, &format!("refused: {error}"));
+            }
+            reply.send(match outcome {
+                Ok(()) => json!({ "type": "done", "id": id }).to_string(),
+                Err(error) => problem(Some(id), &error),
+            });
+        });
+        None
+    }
+}
+
+async fn carry_out(bus: &OrderBus, orders: &[Order]) -> Result<(), String> {
+    for order in orders {
+        bus.send(order).await?;
+    }
+    Ok(())
+}
+
+/// An order in words, for the log.
+fn described(order: &Order) -> String {
+    let component = &order.component;
+    match &order.wish {
+        OrderKind::Configure => format!("configure {component}"),
+        OrderKind::Start => format!("start {component}"),
+        OrderKind::Stop => format!("stop {component}"),
+        OrderKind::Cleanup => format!("cleanup {component}"),
+        OrderKind::Recover => format!("recover {component}"),
+        OrderKind::Reset => format!("reset {component}"),
+        OrderKind::Set(values) => {
+            let values = values
+                .iter()
+                .map(|(name, value)| format!("{component}.{name} = {value}"));
+            format!("set {}", values.collect::<Vec<_>>().join(", "))
+        }
+        OrderKind::Write(port, value) => format!("write {component}.{port} {value}"),
+        OrderKind::State | OrderKind::Describe | OrderKind::Read(_) | OrderKind::Watch(_) => {
+            format!("ask {component}")
+        }
+    }
+}
+
+/// A message about a request that failed, or that belongs to no request.
+fn problem(id: Option<u64>, text: &str) -> String {
+    json!({ "type": "problem", "id": id, "text": text }).to_string()
+}
+
+fn ticks(max_hz: f64) -> tokio::time::Interval {
+    let mut ticks = tokio::time::interval(subscriptions::interval(max_hz));
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    ticks
+}
+
+/// Waits until the dashboard closes.
+async fn closed(closing: &mut watch::Receiver<bool>) {
+    let _ = closing.wait_for(|closing| *closing).await;
+}
+
+async fn next(socket: &mut PageSocket) -> Option<Result<Message, Error>> {
+    use futures_util::stream::StreamExt;
+    socket.next().await
+}
+
+/// Sends a message, and gives the tab up if it does not take it.
+async fn send(socket: &mut PageSocket, text: String) -> Result<(), Error> {
+    match timeout(PATIENCE, socket.send(Message::text(text))).await {
+        Ok(sent) => sent,
+        Err(_) => Err(Error::ConnectionClosed),
+    }
+}
+
+/// Closes the connection for a reason.
+async fn refuse(socket: &mut PageSocket, code: CloseCode) -> Result<(), Error> {
+    let reason = CloseFrame {
+        code,
+        reason: "".into(),
+    };
+    let closed = timeout(PATIENCE, socket.close(Some(reason))).await;
+    closed.unwrap_or(Err(Error::ConnectionClosed))
+}

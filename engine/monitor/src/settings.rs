@@ -1,0 +1,56 @@
+//! Settings of a dashboard.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use asmotion_http::BearerToken;
+use rand::TryRng;
+use rand::rngs::SysRng;
+
+/// The operating system gives no random numbers.
+#[derive(Debug, thiserror::Error)]
+#[error("no random numbers for a token: {0}")]
+pub struct RandomError(String);
+
+/// Address and limits of a dashboard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DashboardSettings {
+    /// Address to listen at, on a loopback interface; port 0 selects a free one.
+    pub listen: SocketAddr,
+    /// Token that a tab must present before it may control the system; `None` if no tab may (default).
+    pub control: Option<BearerToken>,
+    /// Limit on simultaneous connections, of which each open tab needs one (default: 64).
+    pub max_connections: usize,
+    /// Limit on the size of a message of a tab, in bytes (default: 64 KiB).
+    pub max_message: usize,
+    /// Limit on the outputs to which a tab may subscribe (default: 64).
+    pub max_subscriptions: usize,
+    /// Time without a command after which a tab is no longer armed (default: 5 min).
+    pub armed_for: Duration,
+}
+
+impl DashboardSettings {
+    /// The default settings for this address.
+    pub fn at(listen: SocketAddr) -> Self {
+        Self {
+            listen,
+            control: None,
+            max_connections: 64,
+            max_message: 64 * 1024,
+            max_subscriptions: 64,
+            armed_for: Duration::from_secs(300),
+        }
+    }
+
+    /// A new token: 128 random bits.
+    ///
+    /// # Errors
+    /// The operating system gives no random numbers.
+    pub fn new_token() -> Result<String, RandomError> {
+        let mut bits = [0; 16];
+        SysRng
+            .try_fill_bytes(&mut bits)
+            .map_err(|error| RandomError(error.to_string()))?;
+        Ok(bits.iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+}

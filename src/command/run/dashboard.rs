@@ -1,0 +1,116 @@
+//! `--dashboard` and `--control`: shows a run in a web browser.
+
+use std::io::Write;
+use std::net::SocketAddr;
+use std::process::{Command, Stdio};
+
+use clap::Args;
+use serde_json::json;
+
+use crate::mission::{DashboardCallback, MissionDashboard};
+
+/// Options of the dashboard.
+#[derive(Args, Clone, Default)]
+pub struct DashboardArguments {
+    /// Shows the run in a web browser while it lasts; prints the address to open. A run in virtual time then lasts as long as in
+    /// real time, unless `--speed` is given [default address: 127.0.0.1:7070, or another port if it is in use]
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1)]
+    dashboard: Option<Option<String>>,
+
+    /// Lets a tab of the dashboard control the system: the address that is printed contains a token
+    #[arg(long, requires = "dashboard")]
+    control: bool,
+}
+
+impl DashboardArguments {
+    /// Returns whether a dashboard is requested.
+    pub fn is_requested(&self) -> bool {
+        self.dashboard.is_some()
+    }
+
+    /// Requests a dashboard that can control the system.
+    pub fn request_control(&mut self) {
+        self.dashboard.get_or_insert_default();
+        self.control = true;
+    }
+
+    /// Returns the dashboard of a mission. `opens_browser` opens its address in a browser.
+    ///
+    /// # Errors
+    /// A text, if the address is none of a loopback interface.
+    pub fn dashboard(
+        &self,
+        (quiet, as_json): (bool, bool),
+        opens_browser: bool,
+    ) -> Result<MissionDashboard, String> {
+        let Some(written) = &self.dashboard else {
+            return Ok(MissionDashboard::Closed);
+        };
+        let listen = written.as_deref().map(loopback_address).transpose()?;
+        let on_open = DashboardCallback::new(move |url| {
+            if as_json {
+                let object = json!({ "type": "dashboard", "v": 1, "url": url });
+                let _ = writeln!(anstream::stdout(), "{object}");
+            }
+            if !quiet {
+                let _ = writeln!(anstream::stderr(), "   Dashboard {url}");
+            }
+            if opens_browser && !open_browser(url) {
+                let _ = writeln!(
+                    anstream::stderr(),
+                    "     Browser cannot be opened here: open the address above"
+                );
+            }
+        });
+        Ok(MissionDashboard::Open {
+            listen,
+            control: self.control,
+            on_open,
+        })
+    }
+}
+
+/// Parses the address of a dashboard.
+fn loopback_address(written: &str) -> Result<SocketAddr, String> {
+    let Ok(address) = written.parse::<SocketAddr>() else {
+        return Err(format!(
+            "`--dashboard {written}`: expected an address and a port, as in `127.0.0.1:7070`; a composite stands before \
+             `--dashboard`"
+        ));
+    };
+    if address.ip().is_loopback() {
+        return Ok(address);
+    }
+    let port = address.port();
+    Err(format!(
+        "`--dashboard {written}`: the dashboard listens on this machine only, because it has neither encryption nor users: \
+         listen at 127.0.0.1:{port}, and from another machine open a tunnel with `ssh -L {port}:127.0.0.1:{port} HOST`"
+    ))
+}
+
+/// Opens an address in the user's browser. Returns `false` if there is none: over ssh, or without a display.
+fn open_browser(url: &str) -> bool {
+    let has = |variable| std::env::var_os(variable).is_some();
+    let is_mac = cfg!(target_os = "macos");
+    if has("SSH_CONNECTION") || !(is_mac || has("DISPLAY") || has("WAYLAND_DISPLAY")) {
+        return false;
+    }
+    let mut command = Command::new(if is_mac { "open" } else { "xdg-open" });
+    command.arg(url).stdin(Stdio::null()).stdout(Stdio::null());
+    command.stderr(Stdio::null()).spawn().is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::loopback_address;
+
+    #[test]
+    fn a_dashboard_listens_on_this_machine_only() {
+        assert!(loopback_address("127.0.0.1:0").is_ok());
+        assert!(loopback_address("[::1]:7070").is_ok());
+        let refused = loopback_address("0.0.0.0:7070").unwrap_err();
+        assert!(refused.contains("ssh -L 7070:127.0.0.1:7070"), "{refused}");
+        let refused = loopback_address("x.composite.toml").unwrap_err();
+        assert!(refused.contains("before `--dashboard`"), "{refused}");
+    }
+}

@@ -1,0 +1,43 @@
+//! Replacement for the dashboard in a build without the feature `dashboard`.
+
+use asmotion_bus::LocalBus;
+use asmotion_plan::{Part, Plan};
+use asmotion_runtime::System;
+
+use super::MissionDashboard;
+use crate::feature::{Dashboard, LeftOut};
+use crate::mission::{Mission, MissionError};
+
+/// An open dashboard: this build has none.
+pub(in crate::mission) enum OpenDashboard {}
+
+impl Mission {
+    /// Returns no dashboard, or fails if one is requested.
+    pub(in crate::mission) fn open_dashboard(
+        &self,
+        _: &mut System,
+        _: &Plan,
+        _: &Part,
+        _: &LocalBus,
+    ) -> Result<Option<OpenDashboard>, MissionError> {
+        match self.dashboard {
+            MissionDashboard::Closed => Ok(None),
+            MissionDashboard::Open { .. } => Err(MissionError::Launch(format!(
+                "`--dashboard`: {}",
+                LeftOut::new::<Dashboard>()
+            ))),
+        }
+    }
+}
+
+impl OpenDashboard {
+    /// Never called: there is no dashboard.
+    pub(in crate::mission) fn process(&mut self) {
+        match *self {}
+    }
+
+    /// Never called: there is no dashboard.
+    pub(in crate::mission) fn end(&mut self, _: &str) {
+        match *self {}
+    }
+}

@@ -1,0 +1,107 @@
+//! Opens the dashboard of a system that is about to run.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use asmotion_bus::{Bus, BusError, LocalBus, Notifier, Pattern, QueuePolicy, Subscription};
+use asmotion_monitor::{
+    Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
+};
+use asmotion_plan::{Part, Plan};
+use asmotion_remote::{RobotPresence, presence_topic};
+use asmotion_runtime::System;
+
+use super::MissionDashboard;
+use crate::files::DiskLoader;
+use crate::mission::{Mission, MissionClock, MissionError};
+
+/// Address of a dashboard, unless it is given or in use.
+const USUAL: SocketAddr =
+    SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 7070);
+
+/// An open dashboard.
+pub(in crate::mission) struct OpenDashboard {
+    feed: Feed,
+    presences: Subscription,
+    /// Closes when dropped.
+    _server: Dashboard,
+}
+
+impl Mission {
+    /// Opens the dashboard for a system that is about to run, if one is requested. It learns of the components from what the
+    /// process describes on this bus, and sends its orders there.
+    pub(in crate::mission) fn open_dashboard(
+        &self,
+        system: &mut System,
+        plan: &Plan,
+        part: &Part,
+        bus: &LocalBus,
+    ) -> Result<Option<OpenDashboard>, MissionError> {
+        let MissionDashboard::Open {
+            listen,
+            control,
+            on_open,
+        } = &self.dashboard
+        else {
+            return Ok(None);
+        };
+        let presences = presences(bus).map_err(|error| MissionError::Launch(error.to_string()))?;
+        let clock = match self.clock {
+            MissionClock::Wall => "wall clock".to_owned(),
+            MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock, {speed}×"),
+            MissionClock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
+        };
+        let description = SystemDescription::of(plan, part, clock, &DiskLoader);
+        let orders = OrderBus {
+            bus: Arc::new(bus.clone()),
+            process: self.process_name(plan).to_owned(),
+        };
+        let source = MonitorSource::new(description, Some(orders));
+        let feed = source.feed();
+        let mut settings = DashboardSettings::at(listen.unwrap_or(USUAL));
+        let launch =
+            |error: &dyn std::fmt::Display| MissionError::Launch(format!("`--dashboard`: {error}"));
+        let token = control.then(DashboardSettings::new_token).transpose();
+        let token = token.map_err(|error| launch(&error))?;
+        settings.control = token.as_deref().map(asmotion_monitor::BearerToken::new);
+        if listen.is_none() && std::net::TcpListener::bind(USUAL).is_err() {
+            settings.listen.set_port(0);
+        }
+        let server = Dashboard::open(settings, source).map_err(|error| launch(&error))?;
+        system.observe(feed.clone());
+        let address = server.address();
+        // a browser does not send the part behind `#` to any server
+        on_open.0(&match token {
+            Some(token) => format!("http://{address}/#token={token}"),
+            None => format!("http://{address}/"),
+        });
+        Ok(Some(OpenDashboard {
+            feed,
+            presences,
+            _server: server,
+        }))
+    }
+}
+
+fn presences(bus: &LocalBus) -> Result<Subscription, BusError> {
+    let topics = Pattern::new(presence_topic("*"));
+    let notifier = Arc::new(Notifier::new());
+    bus.subscribe("dashboard", &topics, QueuePolicy::Latest, notifier)
+}
+
+impl OpenDashboard {
+    /// Passes on what the process has described.
+    pub(in crate::mission) fn process(&mut self) {
+        while let Some(envelope) = self.presences.try_next() {
+            if let Some(RobotPresence { presence, .. }) = RobotPresence::of(&envelope) {
+                self.feed.describe(presence);
+            }
+        }
+    }
+
+    /// Shows how the run has ended.
+    pub(in crate::mission) fn end(&mut self, outcome: &str) {
+        self.process();
+        self.feed.end(outcome);
+    }
+}
