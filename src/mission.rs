@@ -102,6 +102,17 @@ pub enum MissionClock {
     Wall,
 }
 
+impl MissionClock {
+    /// Returns the clock in words.
+    fn describe(self) -> String {
+        match self {
+            Self::Wall => "wall clock".to_owned(),
+            Self::Virtual(speed) if speed > 0.0 => format!("virtual clock, {speed}×"),
+            Self::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
+        }
+    }
+}
+
 /// Result of a mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionEnd {
@@ -281,7 +292,13 @@ impl Mission {
         if !gateways.is_empty() {
             contacts.push(self.inside_contact(&mut system, &gateway_bus, plan, &part)?);
         }
-        let mut dashboard = self.open_dashboard(&mut system, plan, &part, &dashboard_bus)?;
+        let mut dashboard = OpenDashboard::open(
+            &self.dashboard,
+            &mut system,
+            (plan, &part),
+            self.clock.describe(),
+            (&dashboard_bus, self.process_name(plan)),
+        )?;
         if dashboard.is_some() {
             contacts.push(self.inside_contact(&mut system, &dashboard_bus, plan, &part)?);
         }

@@ -6,21 +6,21 @@ use asmotion_runtime::System;
 
 use super::MissionDashboard;
 use crate::feature::{Dashboard, LeftOut};
-use crate::mission::{Mission, MissionError};
+use crate::mission::MissionError;
 
 /// An open dashboard: this build has none.
 pub(in crate::mission) enum OpenDashboard {}
 
-impl Mission {
+impl OpenDashboard {
     /// Returns no dashboard, or fails if one is requested.
-    pub(in crate::mission) fn open_dashboard(
-        &self,
+    pub(in crate::mission) fn open(
+        request: &MissionDashboard,
         _: &mut System,
-        _: &Plan,
-        _: &Part,
-        _: &LocalBus,
-    ) -> Result<Option<OpenDashboard>, MissionError> {
-        match self.dashboard {
+        _: (&Plan, &Part),
+        _: String,
+        _: (&LocalBus, &str),
+    ) -> Result<Option<Self>, MissionError> {
+        match request {
             MissionDashboard::Closed => Ok(None),
             MissionDashboard::Open { .. } => Err(MissionError::Launch(format!(
                 "`--dashboard`: {}",
@@ -28,9 +28,7 @@ impl Mission {
             ))),
         }
     }
-}
 
-impl OpenDashboard {
     /// Never called: there is no dashboard.
     pub(in crate::mission) fn process(&mut self) {
         match *self {}

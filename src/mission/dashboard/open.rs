@@ -13,7 +13,7 @@ use asmotion_runtime::System;
 
 use super::MissionDashboard;
 use crate::files::DiskLoader;
-use crate::mission::{Mission, MissionClock, MissionError};
+use crate::mission::MissionError;
 
 /// Address of a dashboard, unless it is given or in use.
 const USUAL: SocketAddr =
@@ -27,34 +27,29 @@ pub(in crate::mission) struct OpenDashboard {
     _server: Dashboard,
 }
 
-impl Mission {
+impl OpenDashboard {
     /// Opens the dashboard for a system that is about to run, if one is requested. It learns of the components from what the
-    /// process describes on this bus, and sends its orders there.
-    pub(in crate::mission) fn open_dashboard(
-        &self,
+    /// process with this name describes on this bus, and sends its orders there.
+    pub(in crate::mission) fn open(
+        request: &MissionDashboard,
         system: &mut System,
-        plan: &Plan,
-        part: &Part,
-        bus: &LocalBus,
-    ) -> Result<Option<OpenDashboard>, MissionError> {
+        (plan, part): (&Plan, &Part),
+        clock: String,
+        (bus, process): (&LocalBus, &str),
+    ) -> Result<Option<Self>, MissionError> {
         let MissionDashboard::Open {
             listen,
             control,
             on_open,
-        } = &self.dashboard
+        } = request
         else {
             return Ok(None);
         };
         let presences = presences(bus).map_err(|error| MissionError::Launch(error.to_string()))?;
-        let clock = match self.clock {
-            MissionClock::Wall => "wall clock".to_owned(),
-            MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock, {speed}×"),
-            MissionClock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
-        };
         let description = SystemDescription::of(plan, part, clock, &DiskLoader);
         let orders = OrderBus {
             bus: Arc::new(bus.clone()),
-            process: self.process_name(plan).to_owned(),
+            process: process.to_owned(),
         };
         let source = MonitorSource::new(description, Some(orders));
         let feed = source.feed();
@@ -75,21 +70,13 @@ impl Mission {
             Some(token) => format!("http://{address}/#token={token}"),
             None => format!("http://{address}/"),
         });
-        Ok(Some(OpenDashboard {
+        Ok(Some(Self {
             feed,
             presences,
             _server: server,
         }))
     }
-}
 
-fn presences(bus: &LocalBus) -> Result<Subscription, BusError> {
-    let topics = Pattern::new(presence_topic("*"));
-    let notifier = Arc::new(Notifier::new());
-    bus.subscribe("dashboard", &topics, QueuePolicy::Latest, notifier)
-}
-
-impl OpenDashboard {
     /// Passes on what the process has described.
     pub(in crate::mission) fn process(&mut self) {
         while let Some(envelope) = self.presences.try_next() {
@@ -104,4 +91,10 @@ impl OpenDashboard {
         self.process();
         self.feed.end(outcome);
     }
+}
+
+fn presences(bus: &LocalBus) -> Result<Subscription, BusError> {
+    let topics = Pattern::new(presence_topic("*"));
+    let notifier = Arc::new(Notifier::new());
+    bus.subscribe("dashboard", &topics, QueuePolicy::Latest, notifier)
 }

@@ -28,7 +28,7 @@ use serde_json::{Value, json};
 /// Python of the system, for which Debian installs ROS.
 const PYTHON: &str = "/usr/bin/python3";
 /// Patience for something that should happen soon.
-pub const SOON: Duration = Duration::from_secs(20);
+pub const SOON: Duration = Duration::from_secs(60);
 
 /// Whether ROS is installed; reports that a test is skipped if it is not.
 pub fn has_ros() -> bool {
