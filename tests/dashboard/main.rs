@@ -107,10 +107,7 @@ fn overview(tab: &mut Tab) {
 fn specification(tab: &mut Tab) {
     show(tab, "spec");
     tab.wait("document.querySelector('.diagram .node.now text').textContent === 'FOLLOWING'");
-    assert_eq!(
-        tab.eval("document.querySelectorAll('.diagram .node').length"),
-        7
-    );
+    tab.wait("document.querySelectorAll('.diagram .node').length === 7");
     tab.wait("document.querySelector('.diagram .edge.lit title').textContent.includes('WAIT_PATH → FOLLOWING')");
     tab.wait(&format!(
         "{}?.textContent.includes('= FOLLOWING')",
@@ -119,11 +116,7 @@ fn specification(tab: &mut Tab) {
     let updates =
         "[...document.querySelectorAll('#updates tbody tr')].map((it) => it.textContent).join()";
     tab.wait(&format!("{updates}.includes('WAIT_PATH')"));
-    assert!(
-        tab.eval("document.querySelectorAll('.source .fired').length")
-            .as_u64()
-            >= Some(3)
-    );
+    tab.wait("document.querySelectorAll('.source .fired').length >= 3");
     tab.screenshot("spec");
     // the step before: all views show this time
     let step = tab.eval("document.querySelector('#step').textContent");
@@ -159,10 +152,7 @@ fn components(tab: &mut Tab) {
         "Rover/TrajectoryFollower",
     ));
     tab.wait(&with_text(".detail code", "max_speed"));
-    assert_eq!(
-        tab.eval("document.querySelectorAll('.graph .node').length"),
-        15
-    );
+    tab.wait("document.querySelectorAll('.graph .node').length === 15");
     // nothing can be changed before the tab is armed
     assert_eq!(tab.eval("[...document.querySelectorAll('.detail button, .detail input')].every((it) => it.disabled)"), true);
     tab.screenshot("components");

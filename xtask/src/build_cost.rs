@@ -3,7 +3,7 @@
 //!
 //! The unit is CPU seconds, user and system, of all processes that cargo starts. Unlike wall time, they are nearly the same on a
 //! busy machine. They still depend on its processors: the same build was counted as 346, 480 and 561. So each figure is scaled by
-//! the time that a [reference crate](reference) takes to compile in the same run.
+//! the time that a reference crate takes to compile in the same run.
 
 mod reference;
 
@@ -97,8 +97,7 @@ pub fn set(name: &str) -> Result<&'static FeatureSet, BuildError> {
 pub struct Cost {
     /// CPU seconds on this machine.
     pub seconds: f64,
-    /// Speed of this machine during the build, as a multiple of that of a machine that compiles the reference crate in
-    /// [`reference::CPU_SECONDS`].
+    /// Speed of this machine during the build, as a multiple of that of the machine for which the budgets are set.
     pub speed: f64,
 }
 
