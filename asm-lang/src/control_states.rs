@@ -64,7 +64,7 @@ struct ControlReader<'s> {
 /// The way to a rule: what is known when it is executed.
 #[derive(Clone)]
 struct Place {
-    /// Whether the rule can be executed in each control state.
+    /// For each control state, in order of declaration, `true` if the rule can be executed in it.
     possible: Vec<bool>,
     guards: Vec<String>,
     /// The variables of the enclosing rule that stand for terms: values and texts.

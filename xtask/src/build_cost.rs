@@ -2,8 +2,8 @@
 //! figures.
 //!
 //! The unit is CPU seconds, user and system, of all processes that cargo starts. Unlike wall time, they are nearly the same on a
-//! busy machine. They still depend on its processors: the same build was counted as 346, 480 and 561. So each figure is scaled by
-//! the time that a reference crate takes to compile in the same run.
+//! busy machine. They still depend on its processors: one commit was counted as 480 on one machine and 561 on another. So
+//! each figure is scaled by the time that a reference crate takes to compile in the same run.
 
 mod reference;
 

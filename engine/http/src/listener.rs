@@ -74,7 +74,7 @@ pub enum ListenError {
     /// The address cannot be listened at.
     #[error("cannot listen at {address}: {reason}")]
     Listen {
-        /// The address.
+        /// Address and port, as requested.
         address: SocketAddr,
         /// The operating system's reason.
         reason: std::io::Error,

@@ -15,8 +15,6 @@ pub struct SystemDescription {
     pub profile: Option<String>,
     /// Clock of the run, for example `wall clock`.
     pub clock: String,
-    /// Whether the system runs now, as opposed to a recording.
-    pub live: bool,
     /// Components of this process.
     components: Vec<DescribedComponent>,
     topics: Vec<DescribedTopic>,
@@ -105,7 +103,6 @@ impl SystemDescription {
             name: plan.name.clone(),
             profile: plan.profile.clone(),
             clock,
-            live: true,
             components: components.collect(),
             topics: topics.collect(),
             specifications: specifications.collect(),

@@ -14,7 +14,7 @@ use crate::settings::DashboardSettings;
 /// Limit on the time in which a request's header must arrive, and on the idle time of a connection.
 const REQUEST_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(10);
 
-/// What a dashboard shows.
+/// A system as a dashboard knows it: its description, its feed and the way to control it.
 pub struct MonitorSource {
     description: SystemDescription,
     feed: Feed,

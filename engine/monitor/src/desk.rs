@@ -14,7 +14,7 @@ const ORDER_TIMEOUT: Duration = Duration::from_secs(5);
 /// The bus over which a process takes orders.
 #[derive(Clone)]
 pub struct OrderBus {
-    /// The bus.
+    /// Bus on which the process serves orders.
     pub bus: Arc<dyn Bus>,
     /// Name of the process on it.
     pub process: String,

@@ -28,7 +28,7 @@ const LOG: usize = 2048;
 /// Number of log entries of calls and replies that are kept.
 const CALLS: usize = 1024;
 
-/// What is known of a system. Clones share it.
+/// The newest samples, steps, log entries and figures of a system. Clones refer to the same feed.
 #[derive(Clone)]
 pub struct Feed(Arc<FeedParts>);
 
@@ -39,7 +39,7 @@ struct FeedParts {
     state: Mutex<FeedState>,
 }
 
-/// What is behind the lock of a feed.
+/// The part of a feed that is read and written as a whole, under one lock.
 pub(crate) struct FeedState {
     /// Time of the newest event.
     pub time: Time,
@@ -65,9 +65,9 @@ pub(crate) struct FeedState {
 pub(crate) struct NewestPresence {
     /// Number of descriptions so far.
     pub number: u64,
-    /// The description.
+    /// States, rates and properties of the components.
     pub presence: Presence,
-    /// The description as JSON.
+    /// The same as JSON.
     pub json: Arc<str>,
 }
 
@@ -126,7 +126,7 @@ impl Feed {
         state.log.push(entry);
     }
 
-    /// What is behind the lock.
+    /// Locks the state for reading or writing.
     pub(crate) fn state(&self) -> MutexGuard<'_, FeedState> {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
