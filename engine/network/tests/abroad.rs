@@ -303,6 +303,8 @@ fn a_port_is_connected_to_one_of_another_system() {
         .attach(&mut there, Arc::new(bus.clone()), 1)
         .unwrap();
     let mut here = System::new();
+    // without an observer, no event before `run_until_event` is kept
+    here.observe(Log::new());
     here.add("Teller", Activity::event(), teller()).unwrap();
     here.subscribe(&port_topic("Counter.n"), "Teller.n", Policy::data())
         .unwrap();
@@ -422,6 +424,8 @@ impl Robots {
             .attach(&mut there, Arc::new(bus.clone()), 2)
             .unwrap();
         let mut here = System::new();
+    // without an observer, no event before `run_until_event` is kept
+    here.observe(Log::new());
         here.add("Caller", Activity::event(), caller(&replies))
             .unwrap();
         let mut network = Network::new();
@@ -556,6 +560,8 @@ fn n12_a_reply_in_the_name_of_a_robot_must_have_the_type_of_the_operation() {
     let served = bus.serve(&format!("{MAPS}.double"), 4, notifier).unwrap();
     let replies = Replies::default();
     let mut here = System::new();
+    // without an observer, no event before `run_until_event` is kept
+    here.observe(Log::new());
     here.add("Caller", Activity::event(), caller(&replies))
         .unwrap();
     let mut network = Network::new();
