@@ -342,7 +342,9 @@ impl<'run> FileBuilder<'run> {
         );
         match self.furthest {
             Some((furthest, earlier)) if kind < furthest => {
-                if self.in_order {
+                // after a text that could not be read, the kind may be that of the remains: of `controlled i: D`, in
+                // which `i` is no name, `D` is left and looks like a domain
+                if self.in_order && self.file.unread.is_empty() {
                     let (what, before) = (kind.described(), furthest.described());
                     self.findings.report(OutOfOrder {
                         what,
