@@ -35,6 +35,7 @@ mod mission_files;
 mod missions;
 mod nav2;
 mod new;
+mod omitted_fields;
 mod person;
 mod pictures;
 mod processes;

@@ -6,7 +6,8 @@ use crate::convert::datum_of;
 use crate::frame::InputFrame;
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
-use asmotion_component::{Cycle, In, Time};
+use crate::typed_input::TypedInput;
+use asmotion_component::{Cycle, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::ir::AddedTerm;
 use asmotion_lang::machine::{Machine, StepFault};
@@ -71,7 +72,7 @@ pub(crate) struct EffectContext<'k> {
     /// Responses by the names under which they are kept.
     pub kept: &'k BTreeMap<String, Datum>,
     /// Input ports by name.
-    pub ports: &'k [(String, In<Datum>)],
+    pub ports: &'k [TypedInput],
     pub requests: &'k Requests,
     /// The newest messages published on output ports, by port.
     pub published: &'k BTreeMap<String, Datum>,
@@ -79,14 +80,17 @@ pub(crate) struct EffectContext<'k> {
 
 impl EffectContext<'_> {
     /// The kept response, the newest message received, the newest request or the newest message published under this name.
-    fn datum<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
+    fn datum<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<Cow<'k, Datum>> {
         let received = || {
-            let (_, port) = self.ports.iter().find(|(port, _)| port == name)?;
-            cycle.read(*port).any()
+            let input = self.ports.iter().find(|it| it.name == name)?;
+            Some(input.completed(cycle.read(input.port).any()?))
         };
-        let kept = self.kept.get(name).or_else(received);
-        kept.or_else(|| self.requests.last(name))
-            .or_else(|| self.published.get(name))
+        let kept = self.kept.get(name).map(Cow::Borrowed).or_else(received);
+        kept.or_else(|| {
+            let requested = self.requests.last(name);
+            let other = requested.or_else(|| self.published.get(name));
+            other.map(Cow::Borrowed)
+        })
     }
 }
 
@@ -117,8 +121,8 @@ pub(crate) fn evaluate(
         BoundContent::Kept { name, path } => {
             let datum = context.datum(name, cycle);
             let part = match path {
-                Some(path) => datum.and_then(|whole| whole.get(path)),
-                None => datum.map(Cow::Borrowed),
+                Some(path) => datum.as_ref().and_then(|whole| whole.get(path)),
+                None => datum,
             };
             part.map(Cow::into_owned).ok_or_else(|| match path {
                 Some(path) => format!("{name}.{path}"),

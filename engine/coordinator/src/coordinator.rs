@@ -11,6 +11,7 @@ use crate::partners::MessagePartners;
 use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
 use crate::terms::BindingTerms;
+use crate::typed_input::TypedInput;
 use asmotion_component::{
     BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
     NOTICE_REPORT, Setup, ThawError, Time,
@@ -67,7 +68,7 @@ impl Coordinator {
             interface,
         );
         let machine = initial_machine(&specification, &partners).map_err(BindError::Initial)?;
-        let health = health(interfaces, &handles);
+        let health = health(&handles);
         let mut frame = InputFrame::default();
         let mut inbox = MessageInputs::new(
             binding,
@@ -148,7 +149,10 @@ impl Component for Coordinator {
         self.requests.receive(cycle);
         self.update_conditions(cycle)?;
         let program = self.machine.program();
-        for notice in self.inbox.receive(cycle, &self.requests, program) {
+        for notice in self
+            .inbox
+            .receive(cycle, self.outbox.ports(), &self.requests, program)
+        {
             cycle.report(NOTICE_REPORT, Datum::text(notice));
         }
         self.outbox.receive(cycle, &mut self.inbox);
@@ -293,11 +297,10 @@ impl Coordinator {
 }
 
 /// The port that receives the state of the bus, identified by its type.
-fn health(interfaces: &Interfaces, handles: &EffectHandles) -> Option<In<Datum>> {
-    let types = interfaces.inputs.iter().map(|(_, message)| message);
-    let mut ports = types.zip(&handles.inputs);
-    let found = ports.find(|(message, _)| message.name == BusHealth::NAME);
-    found.map(|(_, (_, port))| *port)
+fn health(handles: &EffectHandles) -> Option<In<Datum>> {
+    let mut ports = handles.inputs.iter();
+    let found = ports.find(|it| it.schema.name == BusHealth::NAME);
+    found.map(|it| it.port)
 }
 
 /// Declares every port of the component, and every operation that the binding calls.
@@ -309,7 +312,11 @@ fn declare(
     let mut handles = EffectHandles::default();
     for (name, message) in &interfaces.inputs {
         let port = interface.input_of(name, message.clone(), "bound to the specification");
-        handles.inputs.push((name.clone(), port));
+        handles.inputs.push(TypedInput {
+            name: name.clone(),
+            port,
+            schema: message.clone(),
+        });
     }
     for (name, message) in &interfaces.outputs {
         let port = interface.output_of(name, message.clone(), "bound to the specification");

@@ -12,9 +12,8 @@ use crate::inputs::{EventTarget, MessageInputs};
 use crate::location::LocationName;
 use crate::requests::{Requests, WaitingCaller, superseded_fault};
 use crate::terms::BindingTerms;
-use asmotion_component::{
-    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
-};
+use crate::typed_input::TypedInput;
+use asmotion_component::{CallError, CallId, Cycle, Dynamic, Out, Reply, Required, ServiceFault};
 use asmotion_datum::{Datum, FieldName, Schema};
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{FunctionId, Slot, ValueShape};
@@ -24,7 +23,7 @@ use std::collections::BTreeMap;
 /// The handles of a component, by name.
 #[derive(Default)]
 pub(crate) struct EffectHandles {
-    pub inputs: Vec<(String, In<Datum>)>,
+    pub inputs: Vec<TypedInput>,
     pub outputs: Vec<(String, Out<Datum>)>,
     pub written: Vec<WrittenPort>,
     pub operations: Vec<(BoundOperation, Required<Dynamic>)>,
@@ -48,7 +47,7 @@ pub(crate) struct EffectOutbox {
     recorded: Vec<(String, Out<Datum>)>,
     written: Vec<WrittenPort>,
     pub pending: Vec<PendingOutcome>,
-    ports: Vec<(String, In<Datum>)>,
+    ports: Vec<TypedInput>,
     operations: Vec<Required<Dynamic>>,
 }
 
@@ -453,6 +452,11 @@ impl EffectOutbox {
     /// Returns the outcome effect of the call at this position.
     pub fn outcome(&mut self, number: usize) -> Option<OutcomeEffect> {
         outcomes(&mut self.outputs).nth(number).cloned()
+    }
+
+    /// The input ports.
+    pub fn ports(&self) -> &[TypedInput] {
+        &self.ports
     }
 
     /// The sources of message contents.

@@ -13,6 +13,7 @@ use crate::frame::InputFrame;
 use crate::location::LocationName;
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
+use crate::typed_input::TypedInput;
 use asmotion_component::{BufferKind, Cycle, Flow, In, Losses, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
@@ -109,7 +110,7 @@ impl MessageInputs {
     pub fn new(
         binding: &Binding,
         specification: &Specification,
-        ports: &[(String, In<Datum>)],
+        ports: &[TypedInput],
         requests: &Requests,
         terms: &BindingTerms,
         frame: &mut InputFrame,
@@ -277,6 +278,7 @@ impl MessageInputs {
     pub fn receive(
         &mut self,
         cycle: &mut Cycle<'_>,
+        ports: &[TypedInput],
         requests: &Requests,
         program: &Program,
     ) -> Vec<String> {
@@ -288,6 +290,7 @@ impl MessageInputs {
                 notices.extend(input.expired(dropped, program));
             }
             let queue = port.map_or(BufferKind::Data, |port| cycle.queue(port));
+            let typed = ports.iter().find(|it| Some(it.port) == port);
             let expiries = port.map_or(&[][..], |port| cycle.expiries(port));
             let (messages, newest) = match input.from {
                 MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
@@ -316,6 +319,8 @@ impl MessageInputs {
             };
             for (position, message) in messages.iter().enumerate() {
                 let expiry = expiries.get(position).copied().flatten();
+                let message = typed.map_or(Cow::Borrowed(message), |it| it.completed(message));
+                let message = &*message;
                 match input.take(message, cycle.now(), queue, expiry, program) {
                     Taken::Yes => {}
                     Taken::Dropped(count) => dropped += count,
@@ -737,14 +742,14 @@ impl InputLocation {
 
 fn origin(
     source: &Source,
-    ports: &[(String, In<Datum>)],
+    ports: &[TypedInput],
     requests: &Requests,
     terms: &BindingTerms,
 ) -> Result<MessageOrigin, BindError> {
     let port = |name: &String| {
-        let port = ports.iter().find(|(known, _)| known == name);
-        let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
-        Ok(*port)
+        let port = ports.iter().find(|known| known.name == *name);
+        let port = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
+        Ok(port.port)
     };
     match source {
         Source::Value(_) => Ok(MessageOrigin::Calls),

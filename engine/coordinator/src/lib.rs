@@ -23,6 +23,7 @@ mod status;
 mod step;
 mod takeover;
 mod terms;
+mod typed_input;
 
 pub use bind_error::BindError;
 pub use binding::{

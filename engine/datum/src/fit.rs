@@ -94,6 +94,46 @@ impl Schema {
         }
     }
 
+    /// Returns whether no field is omitted in a datum that [fits](Self::accepts) the schema.
+    pub fn is_complete(&self, datum: &Datum) -> bool {
+        match (&self.shape, datum) {
+            (Shape::Option(_), Datum::Null) => true,
+            (Shape::Option(some), datum) => some.is_complete(datum),
+            (Shape::List(element) | Shape::Array(element, _), Datum::List(elements)) => {
+                !element.has_fields() || elements.iter().all(|it| element.is_complete(it))
+            }
+            (Shape::Record(fields), Datum::Record(entries)) => fields.iter().all(|field| {
+                let mut entries = entries.iter();
+                let found = entries.find(|(name, _)| *name == field.name);
+                found.is_some_and(|(_, value)| field.schema.is_complete(value))
+            }),
+            (_, _) => true,
+        }
+    }
+
+    /// Returns whether data of this shape contain records.
+    fn has_fields(&self) -> bool {
+        match &self.shape {
+            Shape::Record(_) => true,
+            Shape::Option(inner) | Shape::List(inner) | Shape::Array(inner, _) => {
+                inner.has_fields()
+            }
+            Shape::Any
+            | Shape::Bool
+            | Shape::I8
+            | Shape::I16
+            | Shape::I32
+            | Shape::I64
+            | Shape::U8
+            | Shape::U16
+            | Shape::U32
+            | Shape::U64
+            | Shape::F32
+            | Shape::F64
+            | Shape::Text => false,
+        }
+    }
+
     /// Checks the number of elements of an array.
     fn check_count(&self, found: usize) -> Result<(), DatumError> {
         let Shape::Array(_, expected) = self.shape else {

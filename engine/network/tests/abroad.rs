@@ -424,8 +424,8 @@ impl Robots {
             .attach(&mut there, Arc::new(bus.clone()), 2)
             .unwrap();
         let mut here = System::new();
-    // without an observer, no event before `run_until_event` is kept
-    here.observe(Log::new());
+        // without an observer, no event before `run_until_event` is kept
+        here.observe(Log::new());
         here.add("Caller", Activity::event(), caller(&replies))
             .unwrap();
         let mut network = Network::new();
