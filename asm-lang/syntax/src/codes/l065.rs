@@ -35,6 +35,8 @@ pub(crate) struct UnbracketedLet {
     pub bindings: Option<Span>,
     /// `true` if the first name lacks its `$`.
     pub unmarked: bool,
+    /// The names that lack their `$`, with their uses; empty if it is not certain which names are uses.
+    pub names: Vec<Span>,
 }
 
 impl Finding for UnbracketedLet {
@@ -52,6 +54,15 @@ impl Finding for UnbracketedLet {
             },
             text: text.to_owned(),
         };
+        if let [first, others @ ..] = &self.names[..] {
+            let mut edits = vec![insert(first.start, "($")];
+            let (binders, uses): (Vec<&Span>, Vec<&Span>) =
+                others.iter().partition(|it| it.start < end);
+            edits.extend(binders.iter().map(|name| insert(name.start, "$")));
+            edits.push(insert(end, ")"));
+            edits.extend(uses.iter().map(|name| insert(name.start, "$")));
+            return diagnostic.with_fix(all_sure("write brackets and `$`", &edits));
+        }
         if self.unmarked {
             // the uses of the variable lack their `$`, too
             let fix = Fix::maybe("write brackets and `$`", insert(start, "").span, "($");

@@ -9,7 +9,7 @@ use crate::nesting::closer;
 use asmotion_diagnostics::{Diagnostic, FileId, Finding, Span};
 
 /// Limit for the number of tokens that an explanation reads.
-const TOKENS: usize = 200;
+const TOKENS: usize = 2000;
 
 const OPENING: [Token<'static>; 3] = [
     Token::Sign(Sign::Open),
@@ -45,6 +45,10 @@ impl<'input> Explainer<'input, '_> {
                 at,
                 bindings,
                 unmarked,
+                names: end
+                    .filter(|_| unmarked)
+                    .and_then(|end| self.unmarked_names(start, end))
+                    .unwrap_or_default(),
             }
             .diagnostic(),
         )
@@ -69,6 +73,52 @@ impl<'input> Explainer<'input, '_> {
                 lets -= 1;
             }
             last = end;
+        }
+        None
+    }
+
+    /// Returns the names without `$` in the bindings from `start` to `end`, and their uses up to `endlet`. Returns `None` if
+    /// a name is also used in a term of the bindings, where it may be a function, or if there is no `endlet`.
+    fn unmarked_names(&self, start: usize, end: usize) -> Option<Vec<Span>> {
+        let tokens: Vec<SpannedToken<'input>> = self.tokens_from(start).collect();
+        let bindings = tokens.iter().take_while(|(_, _, behind)| *behind <= end);
+        let (bindings, body) = tokens.split_at(bindings.count());
+        let (mut depth, mut begins, mut names, mut places) = (0_u32, true, Vec::new(), Vec::new());
+        for token in bindings {
+            if OPENING.contains(&token.1) {
+                depth += 1;
+            } else if CLOSING.contains(&token.1) {
+                depth = depth.checked_sub(1)?;
+            }
+            if let (Token::Name(name), true) = (token.1, begins) {
+                names.push(name);
+                places.push(self.span(*token));
+            }
+            begins = depth == 0 && token.1 == Token::Sign(Sign::Comma);
+        }
+        let is_use = |token: &Token<'_>| matches!(token, Token::Name(name) if names.contains(name));
+        if bindings
+            .iter()
+            .filter(|(_, token, _)| is_use(token))
+            .count()
+            > places.len()
+        {
+            return None;
+        }
+        let mut lets = 0_u32;
+        for (index, token) in body.iter().enumerate() {
+            if token.1 == Token::Keyword(Keyword::Let) {
+                lets += 1;
+            } else if token.1 == Token::Keyword(Keyword::Endlet) {
+                if lets == 0 {
+                    return Some(places);
+                }
+                lets -= 1;
+            }
+            let is_applied = matches!(body.get(index + 1), Some((_, Token::Sign(Sign::Open), _)));
+            if is_use(&token.1) && !is_applied {
+                places.push(self.span(*token));
+            }
         }
         None
     }
