@@ -266,7 +266,7 @@ impl Mission {
             let set = system.set_property(id, property, value);
             set.map_err(|error| MissionError::Launch(error.to_string()))?;
         }
-        let story = Arc::new(Mutex::new(Story::of(plan)));
+        let story = Arc::new(Mutex::new(Story::of(plan, &part)));
         let watch = Arc::new(Mutex::new(watch));
         let (listener, watcher) = (story.clone(), watch.clone());
         system.observe(move |at: Time, event: &Event<'_>| {

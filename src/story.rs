@@ -24,7 +24,7 @@ use asmotion_coordinator::{
 };
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
-use asmotion_plan::Plan;
+use asmotion_plan::{Part, Plan};
 use asmotion_runtime::{
     ADDITION_REPORT, Event, REMOVAL_REPORT, REPLACEMENT_REPORT, WAITING_REPORT,
 };
@@ -38,6 +38,8 @@ use crate::terminal::{BAD, FAINT, NAME, NOTE};
 pub struct Story {
     /// The inputs of specifications, whose messages are reported.
     inputs: Vec<StoryInput>,
+    /// Messages on topics reach the components of this process by the bus as well.
+    topics_return: bool,
     repeats: RepeatedEntries,
     summary: Summary,
     /// Names of components in logs, where they differ from those in the composite.
@@ -64,10 +66,11 @@ impl StoryEntry {
 }
 
 impl Story {
-    /// Creates the story of a plan that has not started yet.
-    pub fn of(plan: &Plan) -> Self {
+    /// Creates the story of the part of a plan that runs in this process and has not started yet.
+    pub fn of(plan: &Plan, part: &Part) -> Self {
         Self {
             inputs: input::of(plan),
+            topics_return: part.takes_the_bus_inside(),
             ids: ids(plan),
             ..Self::default()
         }
@@ -117,7 +120,9 @@ impl Story {
                 let collision = self.collided(*sample);
                 let moved = self.summary.moved(component, at, *sample);
                 self.summary.observe_truth(component, port, *sample);
-                let is_reader = |input: &StoryInput| input.receives(component, port, *topic);
+                // what goes out by the bus is counted when it comes back
+                let topic = topic.filter(|_| !self.topics_return);
+                let is_reader = |input: &StoryInput| input.receives(component, port, topic);
                 self.set_goals(*sample, is_reader);
                 match self.inputs.iter_mut().find(|input| is_reader(input)) {
                     Some(input) => message_entry(input, &mut self.summary, component, *sample),
@@ -126,12 +131,18 @@ impl Story {
             }
             Event::Injected {
                 target: place,
+                source,
                 sample,
             } => {
                 let is_reader = |input: &StoryInput| input.is_port(place);
                 self.set_goals(*sample, is_reader);
                 let input = self.inputs.iter_mut().find(|input| is_reader(input))?;
-                message_entry(input, &mut self.summary, "outside", *sample)
+                message_entry(
+                    input,
+                    &mut self.summary,
+                    source.unwrap_or("outside"),
+                    *sample,
+                )
             }
             Event::Called {
                 reference,

@@ -8,7 +8,7 @@ mod replay;
 pub use replay::{RecordedRun, RecordedUpdates, ReplayError, is_run_trace, recorded_run};
 
 use asmotion_component::{CallError, Time};
-use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_coordinator::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
 use asmotion_datum::{Datum, Sample, cbor};
 use asmotion_runtime::Event;
 use std::fmt::Write;
@@ -48,6 +48,7 @@ impl MissionTrace {
             Event::Injected {
                 target: place,
                 sample,
+                ..
             } => format!("inject {place} {}", print(*sample)),
             Event::Called {
                 component,
@@ -152,7 +153,7 @@ fn outcome(result: Result<&dyn Sample, &CallError>) -> String {
 fn report(component: &str, kind: &str, what: &Datum) -> String {
     let mut line = format!("report {component} {kind}");
     match what.to::<StepRecord>() {
-        Ok(step) if kind == STEP_REPORT => {
+        Ok(step) if [STEP_REPORT, FAILED_STEP_REPORT].contains(&kind) => {
             let _ = write!(line, " {}", step.number);
             for (location, value) in &step.inputs {
                 let _ = write!(line, "\n  M {location} = {value}");

@@ -348,3 +348,84 @@ fn y10_a_callback_reaches_every_listener_inside_over_the_bus_and_in_another_proc
     assert_eq!(received(&far.end()), BTreeSet::from([of("Far")]));
     assert_eq!(received(&onboard.interrupt()), BTreeSet::from([of("Near")]));
 }
+
+const BELL: &str = "asm bell
+import StandardLibrary
+signature:
+	controlled n: Integer
+	out rung: Boolean
+definitions:
+	main rule r_Main = if n < 5 then par n := n + 1 rung := true endpar endif
+default init s0:
+	function n = 0
+";
+
+const GUEST: &str = "asm guest
+import StandardLibrary
+signature:
+	monitored rung: Boolean
+	controlled n: Integer
+definitions:
+	main rule r_Main = if rung then n := n + 1 endif
+default init s0:
+	function n = 0
+";
+
+const RUNG: &str = r#"
+schema = "composite/1"
+[composite]
+name = "rung"
+[components.Bell]
+implementation = { asm = "bell.asm" }
+activity = { period_ms = 100 }
+publish = { bell = "std_msgs/Bool" }
+[components.Bell.bind.out]
+rung = { topic = "bell" }
+[components.Guest]
+implementation = { asm = "guest.asm" }
+subscribe = { bell = "std_msgs/Bool" }
+[components.Guest.bind.monitored]
+rung = { topic = "bell", receive = "all", none = false }
+"#;
+
+/// A message that leaves by the broker and comes back is one message, from its sender.
+#[test]
+fn a_message_over_the_broker_is_reported_once() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("bell.asm", BELL),
+        ("guest.asm", GUEST),
+        ("main.composite.toml", RUNG),
+    ];
+    let composite = write(folder.path(), &files);
+    let url = vhost.url();
+    for bus in ["local", &url] {
+        let output = |format: &[&str]| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+            command.arg("run").arg(&composite).args(["--bus", bus]);
+            command.args(["--for", "2", "--clock", "wall"]).args(format);
+            command.env("ASMOTION_PASSWORD", broker.password());
+            let output = command.output().unwrap();
+            assert!(output.status.success(), "{output:?}");
+            let text = |bytes| String::from_utf8(bytes).unwrap();
+            (text(output.stdout), text(output.stderr))
+        };
+        let (summary, story) = output(&[]);
+        let text = story + &summary;
+        assert!(text.contains("  received   bell ×5"), "{bus}: {text}");
+        let messages = text.lines().filter(|line| line.contains("bell  true"));
+        assert_eq!(messages.count(), 5, "{bus}: {text}");
+        assert!(!text.contains("outside"), "{bus}: {text}");
+        let (json, _) = output(&["--json"]);
+        let summary: Value = serde_json::from_str(json.lines().last().unwrap()).unwrap();
+        assert_eq!(
+            summary["heard"],
+            json!([{ "count": 5, "name": "bell" }]),
+            "{bus}"
+        );
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use asmotion_coordinator::STEP_REPORT;
+use asmotion_coordinator::{FAILED_STEP_REPORT, STEP_REPORT};
 use asmotion_diagnostics::or_did_you_mean;
 use asmotion_diagnostics::similar;
 use asmotion_runtime::REPLACEMENT_REPORT;
@@ -24,8 +24,8 @@ pub struct RecordedUpdates {
     pub number: u64,
     /// Time of the step in nanoseconds of the run.
     pub at_ns: i64,
-    /// The update set, as `location = value`, ordered by location.
-    pub updates: Vec<String>,
+    /// The update set, as `location = value`, ordered by location; `None` if the step failed.
+    pub updates: Option<Vec<String>>,
 }
 
 /// The reason that the trace of a run cannot be replayed.
@@ -90,9 +90,23 @@ pub enum ReplayError {
     /// A replayed step wrote something else.
     #[error(
         "step {} (at {} s of the run) deviates: the run wrote `{}`, the replay `{}`; the specification or its imports have changed since",
-        recorded.number, recorded.at_ns as f64 / 1e9, listed(&recorded.updates), listed(replayed)
+        recorded.number,
+        recorded.at_ns as f64 / 1e9,
+        listed(recorded.updates.as_deref().unwrap_or_default()),
+        listed(replayed)
     )]
     Deviates {
+        /// The step of the run.
+        recorded: RecordedUpdates,
+        /// The update set of the replay.
+        replayed: Vec<String>,
+    },
+    /// A step that failed does not fail in the replay.
+    #[error(
+        "step {} (at {} s of the run) failed, and in the replay it writes `{}`; the specification or its imports have changed since",
+        recorded.number, recorded.at_ns as f64 / 1e9, listed(replayed)
+    )]
+    DoesNotFail {
         /// The step of the run.
         recorded: RecordedUpdates,
         /// The update set of the replay.
@@ -161,13 +175,13 @@ fn runs(text: &str) -> BTreeMap<&str, Result<RecordedRun, ReplayError>> {
             runs.insert(name, Err(replaced));
         }
         let step = step_of(line);
-        current = step.map(|(name, ..)| name);
-        if let Some((name, number, at_ns)) = step {
+        current = step.as_ref().map(|(name, _)| *name);
+        if let Some((name, step)) = step {
             let run = runs
                 .entry(name)
                 .or_insert_with(|| Ok(RecordedRun::default()));
             if let Ok(recorded) = run
-                && let Err(error) = recorded.begin(name, number, at_ns)
+                && let Err(error) = recorded.begin(name, step)
             {
                 *run = Err(error);
             }
@@ -184,28 +198,37 @@ fn replacement_of(line: &str) -> Option<(&str, i64)> {
     (kind == Some(REPLACEMENT_REPORT)).then_some((name, at.parse().ok()?))
 }
 
-/// The component, number and time in the first line of a step.
-fn step_of(line: &str) -> Option<(&str, u64, i64)> {
+/// The component and the step in the first line of a step.
+fn step_of(line: &str) -> Option<(&str, RecordedUpdates)> {
     let words: Vec<&str> = line.split(' ').collect();
-    match words.as_slice() {
-        [at, "report", name, kind, number] if *kind == STEP_REPORT => {
-            Some((name, number.parse().ok()?, at.parse().ok()?))
-        }
-        _ => None,
-    }
+    let [at, "report", name, kind, number] = words.as_slice() else {
+        return None;
+    };
+    let updates = match *kind {
+        STEP_REPORT => Some(Vec::new()),
+        FAILED_STEP_REPORT => None,
+        _ => return None,
+    };
+    let step = RecordedUpdates {
+        number: number.parse().ok()?,
+        at_ns: at.parse().ok()?,
+        updates,
+    };
+    Some((name, step))
 }
 
 impl RecordedRun {
-    fn begin(&mut self, name: &str, number: u64, at_ns: i64) -> Result<(), ReplayError> {
-        if self.steps.last().is_some_and(|last| last.number >= number) {
+    fn begin(&mut self, name: &str, step: RecordedUpdates) -> Result<(), ReplayError> {
+        let at_ns = step.at_ns;
+        if self
+            .steps
+            .last()
+            .is_some_and(|last| last.number >= step.number)
+        {
             let name = name.to_owned();
             return Err(ReplayError::Replaced { name, at_ns });
         }
-        self.steps.push(RecordedUpdates {
-            number,
-            at_ns,
-            updates: Vec::new(),
-        });
+        self.steps.push(step);
         // writing to a string cannot fail
         let _ = writeln!(self.causes, "@step {}\nT {at_ns}", self.steps.len());
         Ok(())
@@ -213,8 +236,9 @@ impl RecordedRun {
 
     /// Adds an input, a choice or an update to the last step.
     fn add(&mut self, fact: &str) {
-        match (fact.strip_prefix("U "), self.steps.last_mut()) {
-            (Some(update), Some(step)) => step.updates.push(update.to_owned()),
+        let updates = self.steps.last_mut().and_then(|it| it.updates.as_mut());
+        match (fact.strip_prefix("U "), updates) {
+            (Some(update), Some(updates)) => updates.push(update.to_owned()),
             (Some(_), None) | (None, _) => {
                 self.causes.push_str(fact);
                 self.causes.push('\n');
@@ -252,7 +276,8 @@ mod tests {
         );
         let numbers: Vec<u64> = run.steps.iter().map(|step| step.number).collect();
         assert_eq!(numbers, [1, 5]);
-        assert_eq!(run.steps[1].updates, ["mode = OFF", "n = 2"]);
+        let last: Vec<_> = run.steps[1].updates.iter().flatten().collect();
+        assert_eq!(last, ["mode = OFF", "n = 2"]);
     }
 
     #[test]
@@ -289,7 +314,7 @@ mod tests {
             format!("{TRACE}92 report A removed \"from the running system\"\n{report}{step}")
         };
         let replayed = recorded_run("t", &added("C"), Some("C")).unwrap();
-        assert_eq!(replayed.steps[0].updates, ["n = 3"]);
+        assert_eq!(replayed.steps[0].updates, Some(vec!["n = 3".to_owned()]));
         assert_eq!(
             recorded_run("t", &added("C"), Some("A"))
                 .unwrap()

@@ -291,3 +291,58 @@ fn a_control_state_without_exit_is_named() {
         "{lines}"
     );
 }
+
+/// Chooses one of the elements; its step number `n = 4` fails.
+const FAILING: &str = "asm failing
+import StandardLibrary
+signature:
+  controlled n: Integer
+  controlled chosen: Integer
+definitions:
+  INVARIANT
+  main rule r_Main = choose $c in {1 : 5} with true do par n := n + STEP chosen := $c endpar
+default init s0:
+  function n = 0
+  function chosen = 0
+";
+
+const FAILING_COMPOSITE: &str = r#"schema = "composite/1"
+[composite]
+name = "fails"
+[components.Coordinator]
+implementation = { asm = "failing.asm" }
+activity = { period_ms = 100 }
+"#;
+
+#[test]
+fn a_step_that_failed_fails_in_the_replay() {
+    for (invariant, step, code) in [
+        ("invariant inv_small over n: n < 4", "1", "R014"),
+        ("", "1 + idiv(0, 3 - n)", "R"),
+    ] {
+        let text = FAILING.replace("INVARIANT", invariant);
+        let folder = folder(&[
+            ("failing.asm", &text.replace("STEP", step)),
+            ("c.composite.toml", FAILING_COMPOSITE),
+        ]);
+        let (composite, trace) = (path(&folder, "c.composite.toml"), path(&folder, "t"));
+        let (exit, out, err) = run(&["run", &composite, "--for", "2", "--trace", &trace, "-q"]);
+        assert_eq!(exit, 3, "{out}{err}");
+        let specification = path(&folder, "failing.asm");
+        let replay = ["sim", &specification, "--replay-inputs", &trace, "-q"];
+        let (exit, out, err) = run(&replay);
+        assert_eq!(exit, 3, "{out}{err}");
+        assert!(err.contains(code), "{err}");
+
+        std::fs::write(
+            &specification,
+            text.replace("STEP", "1").replace("n < 4", "n < 9"),
+        )
+        .unwrap();
+        let (exit, _, err) = run(&replay);
+        assert_eq!(exit, 1, "{err}");
+        let succeeds =
+            "step 4 (at 0.3 s of the run) failed, and in the replay it writes `chosen = ";
+        assert!(err.contains(succeeds), "{err}");
+    }
+}

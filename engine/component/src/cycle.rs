@@ -257,7 +257,7 @@ impl<'a> Cycle<'a> {
         })
     }
 
-    /// Reports data to the observers if the cycle succeeds. Components do not receive reports.
+    /// Reports data to the observers, also if the cycle fails later. Components do not receive reports.
     pub fn report(&mut self, kind: &'static str, data: Datum) {
         self.host.record(CycleAction::Report(kind, data));
     }

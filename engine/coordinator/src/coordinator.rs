@@ -9,7 +9,7 @@ use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
 use crate::requests::Requests;
-use crate::step::{STEP_REPORT, StepRecord};
+use crate::step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
 use asmotion_component::{
@@ -168,6 +168,8 @@ impl Component for Coordinator {
             .machine
             .step(&mut self.frame, &mut self.chooser, now.nanos());
         if let Err(fault) = stepped.map(|_| ()) {
+            let record = StepRecord::failed(&self.specification, &self.machine, fault.step);
+            cycle.report(FAILED_STEP_REPORT, Datum::of(&record)?);
             let finding = self.specification.explain_in(&fault, &self.machine);
             let finding = with_missing_inputs(finding, &fault, &self.machine);
             return Err(self.rendered(&finding));

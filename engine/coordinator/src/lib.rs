@@ -35,4 +35,4 @@ pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
 pub use location::{LocationArgument, LocationName};
 pub use partners::{BAD_REPLY_REPORT, BadReply};
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
-pub use step::{STEP_REPORT, StepRecord, UpdateRecord};
+pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};

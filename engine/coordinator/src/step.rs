@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 /// Kind of the report that contains a [`StepRecord`].
 pub const STEP_REPORT: &str = "asm/Step";
 
+/// Kind of the report about a step that failed: a [`StepRecord`] with the inputs that it read and the choices that it
+/// made until then, and without updates.
+pub const FAILED_STEP_REPORT: &str = "asm/FailedStep";
+
 /// A step in the form of text and numbers, for observers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepRecord {
@@ -38,6 +42,16 @@ pub struct UpdateRecord {
 }
 
 impl StepRecord {
+    /// The record of the step with this number, which has just failed.
+    pub fn failed(specification: &Specification, machine: &Machine, number: u64) -> Self {
+        let record = Self::of(specification, machine, &machine.last_step());
+        Self {
+            number,
+            updates: Vec::new(),
+            ..record
+        }
+    }
+
     /// The record of a step that was just made.
     pub fn of(specification: &Specification, machine: &Machine, step: &Step<'_>) -> Self {
         let naming = machine.naming();

@@ -232,7 +232,7 @@ impl Observer for Feed {
                 return;
             }
             // what is injected into an input is shown like what an output writes
-            Event::Injected { target, sample } => {
+            Event::Injected { target, sample, .. } => {
                 if let Some((component, port)) = target.rsplit_once('.') {
                     self.publish(at, (component, port), None, *sample);
                 }

@@ -19,7 +19,9 @@ const HIDDEN: &[&str] = &["header", "stamp", "plan", "covariance", "orientation"
 /// [`message`].
 pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
     let entry = match event {
-        Event::Injected { target, sample } => entry(at, "info", "message", target, &brief(*sample)),
+        Event::Injected { target, sample, .. } => {
+            entry(at, "info", "message", target, &brief(*sample))
+        }
         Event::Called {
             component,
             reference,

@@ -184,6 +184,7 @@ impl TopicRoute {
                         Ages::Counted => now - envelope.age,
                         Ages::Ignored => now,
                     };
+                    let written = (&*envelope.source, written);
                     self.port.inject_written(&sample, written, now, effects);
                 }
                 Err(reason) => self.port.count_dropped(1, Some(&reason), now, effects),

@@ -187,11 +187,7 @@ impl ComponentBody {
                         }
                     }
                 }
-                CycleAction::Report(kind, what) => effects.emit(&Event::Report {
-                    component: effects.name,
-                    kind,
-                    data: &what,
-                }),
+                CycleAction::Report(kind, data) => report(kind, &data, effects),
                 CycleAction::Refuse(port, cause) => self.refuse(port, &cause, effects),
                 CycleAction::SetPeriod(period) => set_period(period),
                 CycleAction::CycleAgain => effects.effects.trigger(effects.component),
@@ -244,9 +240,13 @@ impl ComponentBody {
         }
     }
 
-    /// Drops the actions and outputs of the cycle.
-    pub(crate) fn discard(&mut self) {
-        self.journal.clear();
+    /// Drops the actions and outputs of a cycle that failed, except its reports.
+    pub(crate) fn discard(&mut self, effects: &mut ComponentEffects<'_>) {
+        for action in self.journal.drain(..) {
+            if let CycleAction::Report(kind, data) = action {
+                report(kind, &data, effects);
+            }
+        }
         for output in &mut self.outputs {
             output.discard();
         }
@@ -439,6 +439,15 @@ fn report_unheard(refusal: &UnheardRefusal, effects: &mut ComponentEffects<'_>) 
         component: effects.name,
         kind: NOTICE_REPORT,
         data: &Datum::text(text),
+    });
+}
+
+/// Passes a report of the component on to the observers.
+fn report(kind: &str, data: &Datum, effects: &mut ComponentEffects<'_>) {
+    effects.emit(&Event::Report {
+        component: effects.name,
+        kind,
+        data,
     });
 }
 

@@ -26,6 +26,9 @@ use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
 use crate::service::Admission;
 
+/// Time from the reset of an event-driven component after a fault to its next cycle.
+const RESET_PAUSE: Duration = Duration::from_millis(100);
+
 /// A component that an executor drives.
 pub(crate) struct ComponentUnit {
     pub name: Arc<str>,
@@ -243,7 +246,8 @@ impl ComponentUnit {
         if self.state == State::FatalError {
             return;
         }
-        self.body.discard();
+        let mut own = component_effects(&self.name, self.index, now, effects);
+        self.body.discard(&mut own);
         self.record_fault(fault, now, effects);
         let before = self.state;
         self.has_faulted |= before.is_running();
@@ -285,11 +289,11 @@ impl ComponentUnit {
             component.stop(&mut cycle);
             cycle.finish()
         });
+        let mut own = component_effects(name, self.index, now, effects);
         if stopped.is_err() {
-            body.discard();
+            body.discard(&mut own);
         }
         body.write_safe_samples();
-        let mut own = component_effects(name, self.index, now, effects);
         // a period set here would have no effect
         let committed = body.commit(&mut own, |_| {});
         status.add_refused(std::mem::take(&mut body.refused));
@@ -329,6 +333,12 @@ impl ComponentUnit {
                     .all(|step| self.transition(*step, now, effects).is_ok())
             }
         }
+    }
+
+    /// Time from a reset after a fault to the next cycle. What made the cycle fail may still be there, and would use up all
+    /// resets in one instant.
+    pub(crate) fn reset_pause(&self) -> Duration {
+        self.activity.drive.period().unwrap_or(RESET_PAUSE)
     }
 
     /// Makes a transition of the life cycle, if RTT's guards allow it.

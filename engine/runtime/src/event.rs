@@ -53,6 +53,8 @@ pub enum Event<'a> {
     Injected {
         /// The port or topic it was injected into.
         target: &'a str,
+        /// Name of the sender, if it came by a bus.
+        source: Option<&'a str>,
         /// The sample as injected.
         sample: &'a dyn Sample,
     },

@@ -164,6 +164,7 @@ impl InjectionPorts {
             now,
             &Event::Injected {
                 target: name,
+                source: None,
                 sample: &**sample,
             },
         );
@@ -318,26 +319,36 @@ impl InjectionPort {
 
     /// Puts a sample into this port alone and reports it to the observers.
     pub fn inject(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
-        self.inject_written(sample, now, now, effects);
+        self.emit(sample, None, now, effects);
+        self.send(sample, now, now, effects);
     }
 
-    /// Puts a sample that was written at the instant `written` into this port alone and reports it to the observers. Age
+    /// Puts a sample that `source` wrote at the instant `written` into this port alone and reports it to the observers. Age
     /// limits of connections count from `written`.
     pub fn inject_written(
         &mut self,
         sample: &Arc<dyn Sample>,
-        written: Time,
+        (source, written): (&str, Time),
         now: Time,
         effects: &mut dyn Effects,
     ) {
-        effects.emit(
-            now,
-            &Event::Injected {
-                target: &self.name,
-                sample: &**sample,
-            },
-        );
+        self.emit(sample, Some(source), now, effects);
         self.send(sample, written, now, effects);
+    }
+
+    fn emit(
+        &self,
+        sample: &Arc<dyn Sample>,
+        source: Option<&str>,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        let event = Event::Injected {
+            target: &self.name,
+            source,
+            sample: &**sample,
+        };
+        effects.emit(now, &event);
     }
 
     fn send(

@@ -219,7 +219,7 @@ impl Executor for Simulation {
     fn adopt(&mut self, unit: ComponentUnit) {
         self.timeline.add(&unit);
         if unit.state().is_running() {
-            self.timeline.schedule_first(&unit);
+            self.timeline.schedule_first(&unit, Duration::ZERO);
         } else {
             self.timeline.apply_drive_change(&unit);
         }
@@ -283,7 +283,7 @@ impl Executor for Simulation {
         let ran = unit.state().is_running();
         act(unit, now, &mut effects);
         if !ran && unit.state().is_running() {
-            self.timeline.schedule_first(unit)
+            self.timeline.schedule_first(unit, Duration::ZERO)
         } else {
             self.timeline.apply_drive_change(unit)
         }

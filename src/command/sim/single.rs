@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 /// Compares the last step with the recorded one.
 ///
 /// # Errors
-/// [`ReplayError::Deviates`] if their update sets differ.
+/// [`ReplayError::Deviates`] if their update sets differ, [`ReplayError::DoesNotFail`] if the recorded step failed.
 fn compare(machine: &Machine, recorded: Option<RecordedUpdates>) -> Result<(), Box<ReplayError>> {
     let Some(recorded) = recorded else {
         return Ok(());
@@ -22,10 +22,11 @@ fn compare(machine: &Machine, recorded: Option<RecordedUpdates>) -> Result<(), B
     let replayed: Vec<String> = updates
         .map(|(location, _, after)| format!("{location} = {after}"))
         .collect();
-    if replayed == recorded.updates {
-        return Ok(());
+    match &recorded.updates {
+        Some(updates) if *updates == replayed => Ok(()),
+        Some(_) => Err(Box::new(ReplayError::Deviates { recorded, replayed })),
+        None => Err(Box::new(ReplayError::DoesNotFail { recorded, replayed })),
     }
-    Err(Box::new(ReplayError::Deviates { recorded, replayed }))
 }
 
 impl Sim {

@@ -28,6 +28,7 @@ impl fmt::Display for Event<'_> {
             Self::Injected {
                 target: place,
                 sample,
+                ..
             } => write!(f, "{place} <- {}", SampleText(*sample)),
             Self::Called {
                 component,

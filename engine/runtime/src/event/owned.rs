@@ -23,6 +23,7 @@ pub(crate) enum OwnedEvent {
     },
     Injected {
         target: String,
+        source: Option<String>,
         sample: Arc<dyn Sample>,
     },
     Called {
@@ -113,9 +114,11 @@ impl OwnedEvent {
             },
             Event::Injected {
                 target: place,
+                source,
                 sample,
             } => Self::Injected {
                 target: place.into(),
+                source: source.map(Into::into),
                 sample: sample.to_shared(),
             },
             Event::Called {
@@ -246,9 +249,11 @@ impl OwnedEvent {
             },
             Self::Injected {
                 target: place,
+                source,
                 sample,
             } => Event::Injected {
                 target: place,
+                source: source.as_deref(),
                 sample: &**sample,
             },
             Self::Called {

@@ -278,7 +278,7 @@ impl WorkerMember {
             self.due = self.unit.next_due(self.due, period, (begin, end), context);
         }
         if self.unit.restart_after_fault(context.now(), context) {
-            self.schedule_first(context.now());
+            self.schedule_first(context.now() + self.unit.reset_pause());
         }
         self.await_requests();
     }

@@ -1,6 +1,7 @@
 //! The timeline of a simulation: the clock, the queue of due items, and the observers.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use asmotion_component::{Drive, Fault};
 use asmotion_port::Time;
@@ -183,7 +184,8 @@ impl SimulatedEffects<'_, '_> {
             unit.check_deadline(unit.body.cycle_duration, now, self);
         }
         if units[component].restart_after_fault(now, self) {
-            self.timeline.schedule_first(&units[component])
+            let pause = units[component].reset_pause();
+            self.timeline.schedule_first(&units[component], pause)
         } else {
             self.timeline.apply_drive_change(&units[component])
         }
@@ -226,13 +228,13 @@ impl SimulatedEffects<'_, '_> {
 }
 
 impl Timeline {
-    /// Plans the first cycle after a start. An event-driven component has one too: RTT triggers on start.
-    pub(super) fn schedule_first(&mut self, unit: &ComponentUnit) {
+    /// Plans the first cycle after a start, after a pause. An event-driven component has one too: RTT triggers on start.
+    pub(super) fn schedule_first(&mut self, unit: &ComponentUnit, pause: Duration) {
         let component = unit.index;
         let driven = &mut self.schedules[component];
         driven.serves = false;
         let generation = driven.set_drive(unit.activity.drive);
-        let first = self.now + unit.activity.delay;
+        let first = self.now + pause + unit.activity.delay;
         match unit.activity.drive {
             Drive::Manual | Drive::Slave => {}
             Drive::Event => self.trigger(component, first),

@@ -278,7 +278,7 @@ impl Observer for ProtocolObserver {
             observation.arrive(&inputs.unwrap_or_default(), &content);
             let content = observation.complete(&writer, &content);
             observation.send(component, MessageEnd::Port(writer.name), content);
-        } else if let Event::Injected { target, sample } = event {
+        } else if let Event::Injected { target, sample, .. } = event {
             let ports = target.rsplit_once('.').map(|(component, name)| End {
                 component: component.to_owned(),
                 name: name.to_owned(),

@@ -88,7 +88,7 @@ impl SampleOrigin {
             (Event::Published { topic, sample, .. }, Self::Topic(name)) => {
                 (*topic == Some(name)).then_some(*sample)
             }
-            (Event::Injected { target, sample }, Self::Topic(name)) => {
+            (Event::Injected { target, sample, .. }, Self::Topic(name)) => {
                 (*target == name).then_some(*sample)
             }
             _ => None,
