@@ -234,3 +234,18 @@ to = \"Reader.st\"",
     );
     assert!(last["misfits"].as_u64() > Some(5), "{out}");
 }
+
+#[test]
+fn a_promotion_over_a_transport_that_is_not_in_the_build_does_not_start() {
+    let promotion = "[[promote]]\nservice = \"Maps.maps\"\nas = \"maps\"\nbinding = \"ros\"\n";
+    let maps = component(
+        "Maps",
+        "implementation = { rust = \"nav::MapServer\" }
+services = { maps = \"nav/MapService\" }
+properties = { source = \".\", place = \"hall\" }",
+    );
+    let (code, out, err) = run_composite(&[maps, promotion.to_owned()], &["--for", "1"]);
+    assert_eq!(code, 2, "{out}{err}");
+    let refused = "the promotion `maps` uses `ros`, which is not in this build";
+    assert!(err.contains(refused), "{err}");
+}

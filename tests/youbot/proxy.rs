@@ -171,17 +171,21 @@ fn j22_the_map_is_checked_before_anything_starts() {
 fn j10_y5_who_polls_slower_than_twice_as_often_is_warned() {
     let driver = Bench::default().driver;
     let pushed = "type = \"buffer\", size = 32";
-    let polled = |poll_ms| {
+    let period = "activity   = { period_ms = 20 }\n";
+    let polled = |poll_ms, period_replaced: &str| {
         let policy = format!("delivery = \"poll\", poll_ms = {poll_ms}");
+        assert!(driver.contains(pushed) && driver.contains(period));
         let driver = driver.replace(pushed, &policy);
         Bench {
-            driver,
+            driver: driver.replace(period, period_replaced),
             ..Bench::default()
         }
         .findings()
     };
-    assert_eq!(polled(500), ["C054"]);
-    assert_eq!(polled(50), [""; 0]);
+    assert_eq!(polled(500, ""), ["C054"]);
+    assert_eq!(polled(50, ""), [""; 0]);
+    // who has a period reads at it
+    assert_eq!(polled(500, period), ["C048"]);
 }
 
 #[test]

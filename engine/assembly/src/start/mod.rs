@@ -49,6 +49,14 @@ pub enum StartError {
         /// Unsupported transport.
         binding: model::Transport,
     },
+    /// The executable does not support a transport of a promotion.
+    #[error("the promotion `{name}` uses `{binding}`, which is not in this build")]
+    PromotionBinding {
+        /// Public name.
+        name: String,
+        /// Unsupported transport.
+        binding: model::Transport,
+    },
     /// A property rejected its value.
     #[error("`{component}`: {source}")]
     Property {
@@ -115,6 +123,15 @@ pub fn start_part(
         return Err(StartError::Missing {
             variables: plan.missing.clone(),
         });
+    }
+    let binding = model::Transport::Ros;
+    if let Some(promoted) = plan
+        .promoted
+        .iter()
+        .find(|it| it.bindings.contains(&binding))
+    {
+        let name = promoted.name.clone();
+        return Err(StartError::PromotionBinding { name, binding });
     }
     let mut building = Building {
         plan,

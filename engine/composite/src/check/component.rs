@@ -26,7 +26,9 @@ use super::operations::operations;
 use super::scene::{CheckedComponent, CheckedComposite};
 use crate::at::At;
 use crate::finding::Findings;
-use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
+use crate::model::{
+    BuiltinComponent, Component, Implementation, Listed, OnException, Setting, Wanted,
+};
 use crate::nearest::{Nearest, nearest_name};
 use crate::programs::{command_of, robot_component};
 use crate::signature::Signature;
@@ -47,6 +49,7 @@ pub(crate) fn parts<'s>(
         }
         id(component, &mut ids, report);
         pace(scene, component, report);
+        resets(component, report);
         verify(scene, component, report);
         let face = face(scene, component, nested, report);
         safe(scene, component, &face, report);
@@ -111,6 +114,22 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
                 at: master.span,
             });
         }
+    }
+}
+
+/// Reports a limit of resets where there are none.
+fn resets(component: &Component, report: &mut Report) {
+    let Some(lifecycle) = &component.lifecycle else {
+        return;
+    };
+    let on_exception = lifecycle.on_exception.as_ref();
+    let resets = on_exception.is_some_and(|it| it.value == OnException::Reset);
+    if let (Some(max_resets), false) = (&lifecycle.max_resets, resets) {
+        report.found(IdleKey {
+            key: "max_resets",
+            at: max_resets.span,
+            reason: "a component that fails is reset only with `on_exception = \"reset\"`",
+        });
     }
 }
 
@@ -222,7 +241,7 @@ fn face(
             if let Some(target) = robot_component(implementation) {
                 return robot(scene, component, target, report);
             }
-            let face = listed(component, report);
+            let face = without_properties(component, implementation, report);
             operations(scene, component, name, &face, report);
             face
         }
@@ -249,11 +268,25 @@ fn face(
             listed(component, report)
         }
         Implementation::Asm { file, .. } => {
-            let face = listed(component, report);
+            let face = without_properties(component, implementation, report);
             operations(scene, component, file, &face, report);
             face
         }
     }
+}
+
+/// Returns the ports and services of a component whose implementation has no properties.
+fn without_properties(
+    component: &Component,
+    implementation: &Implementation,
+    report: &mut Report,
+) -> Endpoints {
+    let face = Endpoints {
+        properties: Some(Vec::new()),
+        ..listed(component, report)
+    };
+    properties(component, &face, implementation.span(), report);
+    face
 }
 
 /// Returns the ports, services and properties of a component whose declaration is known.

@@ -79,6 +79,7 @@ fn connection(
     report: &mut Report,
 ) {
     policy(&connection.policy, report);
+    polls(scene, connection, report);
     queue::idle_keys(connection, report);
     let before = report.diagnostics.len();
     let from = terminals(scene, &connection.from, PortDirection::Out, report);
@@ -432,6 +433,28 @@ fn policy(policy: &Policy, report: &mut Report) {
             at: delivery.span,
             example: "50".to_owned(),
         });
+    }
+}
+
+/// Reports keys of polling that change nothing.
+fn polls(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Report) {
+    let policy = &connection.policy;
+    let delivery = policy.delivery.as_ref();
+    let Some(delivery) = delivery.filter(|it| it.value == Delivery::Poll) else {
+        if let Some(poll_ms) = &policy.poll_ms {
+            let reason = "without `delivery = \"poll\"`, each message makes the reader cycle";
+            idle("poll_ms", poll_ms.span, reason, report);
+        }
+        return;
+    };
+    let has_pace = |terminal: &Terminal| {
+        let end = port(terminal);
+        let component = end.and_then(|end| scene.composite.component(&end.component));
+        component.is_some_and(CheckedComposite::has_pace)
+    };
+    if !connection.to.is_empty() && connection.to.iter().all(has_pace) {
+        let reason = "the reader has a period or a master, and reads in each of its cycles";
+        idle("delivery", delivery.span, reason, report);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Checks the deployment: every component must run in exactly one process.
 
+use crate::codes::c048::IdleKey;
 use crate::codes::c070::PlacedTwice;
 use crate::codes::c071::PlacedNowhere;
 use crate::codes::c072::DuplicateProcess;
@@ -12,7 +13,7 @@ use asmotion_diagnostics::{Report, Span};
 use super::scene::CheckedComposite;
 use super::topic::Topics;
 use crate::finding::Findings;
-use crate::model::{Deploy, Process};
+use crate::model::{Deploy, Process, RestartPolicy};
 use crate::nearest::nearest_name;
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
@@ -38,6 +39,28 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut 
         }
     }
     record(deploy, topics, report);
+    restart(deploy, report);
+}
+
+/// Reports limits and delays of restarts where there are none.
+fn restart(deploy: &Deploy, report: &mut Report) {
+    let Some(restart) = &deploy.restart else {
+        return;
+    };
+    let policy = restart
+        .policy
+        .as_ref()
+        .map_or(RestartPolicy::Never, |it| it.value);
+    if policy != RestartPolicy::Never {
+        return;
+    }
+    let max = restart.max.as_ref().map(|it| ("max", it.span));
+    let window = restart.window_s.as_ref().map(|it| ("window_s", it.span));
+    let backoff = restart.backoff_ms.first().map(|it| ("backoff_ms", it.span));
+    for (key, at) in [max, window, backoff].into_iter().flatten() {
+        let reason = "nothing is restarted without `policy = \"on_failure\"` or `\"always\"`";
+        report.found(IdleKey { key, at, reason });
+    }
 }
 
 fn place<'s>(

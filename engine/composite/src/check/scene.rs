@@ -59,16 +59,20 @@ fn names<'n>(named: impl Iterator<Item = &'n NamedAt>) -> Vec<String> {
 impl<'s> CheckedComposite<'s> {
     /// Returns whether the component cycles without messages: by its period, after its master, or to poll a connection.
     pub(crate) fn cycles_by_time(&self, component: &Component) -> bool {
-        let pace = component.pace();
-        let period = pace.and_then(|pace| pace.period_ms.as_ref());
-        let has_period = period.is_some_and(|it| !matches!(it.value, Amount::Number(0)));
-        let has_master = pace.is_some_and(|pace| pace.master.is_some());
-        has_period || has_master || self.composite.connections.iter().any(|connection| {
+        Self::has_pace(component) || self.composite.connections.iter().any(|connection| {
             let delivery = connection.policy.delivery.as_ref();
             let into = |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component.name.value);
             delivery.is_some_and(|delivery| delivery.value == Delivery::Poll)
                 && connection.to.iter().any(into)
         })
+    }
+
+    /// Returns whether the component cycles by its own period or after its master.
+    pub(crate) fn has_pace(component: &Component) -> bool {
+        let pace = component.pace();
+        let period = pace.and_then(|pace| pace.period_ms.as_ref());
+        let has_period = period.is_some_and(|it| !matches!(it.value, Amount::Number(0)));
+        has_period || pace.is_some_and(|pace| pace.master.is_some())
     }
 
     /// Returns whether an element with these profiles is active in this profile.

@@ -19,7 +19,6 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// [components.Rover]
 /// implementation = { process = "rover" }
 /// ports.in = { twist = "geometry_msgs/Twist" }
-/// activity = { period_ms = 100 }
 ///
 /// [[connections]]
 /// from = "Joystick.twist"
@@ -43,7 +42,6 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// [components.Rover]
 /// implementation = { process = "rover" }
 /// ports.in = { twist = "geometry_msgs/Twist" }
-/// activity = { period_ms = 100 }
 ///
 /// [[connections]]
 /// from = "Joystick.twist"

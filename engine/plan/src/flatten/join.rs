@@ -82,13 +82,20 @@ impl Flattener<'_, '_> {
         }
     }
 
-    /// Warns if the polling interval exceeds half the period of the writer.
+    /// Warns if the polling interval exceeds half the period of the writer. A reader with a period of its own does not poll.
     fn poll(&mut self, from: &Terminal, to: &Terminal, policy: &Policy, at: Span) {
         let (Terminal::Port(end), Some(poll_ms)) = (from, policy.poll_ms) else {
             return;
         };
         let writer = self.plan.component(&end.component);
         let period_ms = writer.map_or(0, |component| component.pace.period_ms);
+        let Terminal::Port(reader) = to else {
+            return;
+        };
+        let reader = self.plan.component(&reader.component);
+        if reader.is_some_and(|it| it.pace.period_ms > 0 || it.pace.master.is_some()) {
+            return;
+        }
         if policy.delivery == Delivery::Poll && period_ms > 0 && poll_ms * 2 > period_ms {
             let (from, to) = (from.to_string(), to.to_string());
             self.notes.found(PollTooSlow {
