@@ -134,3 +134,86 @@ fn an_empty_specification_is_no_error() {
     assert_eq!(code, 0, "{out}");
     assert!(out.contains("warning[L020]"), "{out}");
 }
+
+/// Reads a message of each type as each domain.
+const READER: &str = "asm reader
+import StandardLibrary
+signature:
+  abstract domain Crate
+  monitored read: DOMAIN
+  static box: Crate
+  controlled known: Boolean
+definitions:
+  main rule r_Main = known := isDef(read)
+default init s0:
+  function known = false
+";
+
+const READ: &str = r#"schema = "composite/1"
+[composite]
+name = "read"
+[components.Reader]
+implementation = { asm = "reader.asm" }
+subscribe = { read = "TYPE" }
+[components.Reader.bind.monitored]
+read = { topic = "read", field = "FIELD" }
+[[promote]]
+topic = "read"
+as = "read"
+"#;
+
+/// What `write` gives to a port, and whether a specification can read it; the same as `check` says.
+#[test]
+fn a_domain_that_no_message_fits_is_found_before_the_run() {
+    let fields = [
+        ("std_msgs/Bool", "data", "{ data = true }"),
+        ("std_msgs/Float64", "data", "{ data = 0.5 }"),
+        ("std_msgs/Int32", "data", "{ data = 5 }"),
+        ("std_msgs/String", "data", "{ data = \"box\" }"),
+        ("sensor_msgs/LaserScan", "ranges", "{ ranges = [1.0, 2.0] }"),
+        (
+            "geometry_msgs/PoseStamped",
+            "pose.position",
+            "{ pose = { position = { x = 1.0 } } }",
+        ),
+    ];
+    let fitting: &[(&str, &[&str])] = &[
+        ("Crate", &["std_msgs/String"]),
+        // `box` is no single character
+        ("Char", &["std_msgs/String"]),
+        ("Map(String, Real)", &["geometry_msgs/PoseStamped"]),
+        ("Map(Integer, Real)", &[]),
+        ("Map(String, Boolean)", &[]),
+        ("Seq(Real)", &["sensor_msgs/LaserScan"]),
+    ];
+    for (domain, types) in fitting {
+        for (message, field, value) in fields {
+            let (folder, composite) = file(
+                "read.composite.toml",
+                READ.replace("TYPE", message).replace("FIELD", field),
+            );
+            std::fs::write(
+                folder.path().join("reader.asm"),
+                READER.replace("DOMAIN", domain),
+            )
+            .unwrap();
+            let (code, out, err) = run(&["check", "--format", "concise", &composite]);
+            let fits = types.contains(&message);
+            assert_eq!(code, i32::from(!fits), "{domain} <- {message}: {out}{err}");
+            assert_eq!(
+                out.contains("error[C095]"),
+                !fits,
+                "{domain} <- {message}: {out}{err}"
+            );
+            let mission = format!(
+                "schema = \"mission/1\"\ncomposite = \"read.composite.toml\"\nlimit_s = 1\n[[at]]\ntime_s = 0.5\nwrite = \"Reader.read\"\nvalue = {value}\n[[expect]]\neventually = \"Reader.known\"\n"
+            );
+            let path = folder.path().join("read.mission.toml");
+            std::fs::write(&path, mission).unwrap();
+            if fits && *domain != "Char" {
+                let (code, out, err) = run(&["test", path.to_str().unwrap()]);
+                assert_eq!(code, 0, "{domain} <- {message}: {out}{err}");
+            }
+        }
+    }
+}

@@ -302,6 +302,19 @@ pub enum Codomain {
         /// Codomains of the components.
         items: Vec<Codomain>,
     },
+    /// Maps, whose keys are the names of fields.
+    Map {
+        /// The domain as written.
+        name: String,
+        /// Codomain of the keys.
+        key: Box<Codomain>,
+        /// Codomain of the values.
+        item: Box<Codomain>,
+    },
+    /// Single characters.
+    Character,
+    /// Elements of an abstract domain, which texts name.
+    Abstract(String),
     /// Any other domain, as written.
     Other(String),
 }
@@ -314,9 +327,12 @@ impl Codomain {
             Self::Integer => "Integer",
             Self::Real => "Real",
             Self::Text => "String",
+            Self::Character => "Char",
             Self::Enum { name, .. }
             | Self::List { name, .. }
             | Self::Tuple { name, .. }
+            | Self::Map { name, .. }
+            | Self::Abstract(name)
             | Self::Other(name) => name,
         }
     }

@@ -314,10 +314,10 @@ fn codomain(model: &Model, written: TypeId) -> Codomain {
                     literals: literals(model, first.0, count),
                     declared: Some(domain.span),
                 },
-                DomainKind::Any
-                | DomainKind::Basic
-                | DomainKind::Abstract
-                | DomainKind::Concrete { .. } => Codomain::Other(model.show_type(written)),
+                DomainKind::Abstract => Codomain::Abstract(model.show_type(written)),
+                DomainKind::Any | DomainKind::Basic | DomainKind::Concrete { .. } => {
+                    Codomain::Other(model.show_type(written))
+                }
             }
         }
         Type::Seq(item) | Type::Powerset(item) | Type::Bag(item) => Codomain::List {
@@ -328,7 +328,13 @@ fn codomain(model: &Model, written: TypeId) -> Codomain {
             name: model.show_type(written),
             items: items.iter().map(|item| codomain(model, *item)).collect(),
         },
-        Type::Invalid | Type::Undef | Type::Complex | Type::Char | Type::Rule | Type::Map(_, _) => {
+        Type::Char => Codomain::Character,
+        Type::Map(key, item) => Codomain::Map {
+            name: model.show_type(written),
+            key: Box::new(codomain(model, *key)),
+            item: Box::new(codomain(model, *item)),
+        },
+        Type::Invalid | Type::Undef | Type::Complex | Type::Rule => {
             Codomain::Other(model.show_type(written))
         }
     }

@@ -349,6 +349,9 @@ fn carries(schema: &Schema, codomain: &Codomain, has_field: bool) -> bool {
         | Codomain::Text
         | Codomain::List { .. }
         | Codomain::Tuple { .. }
+        | Codomain::Map { .. }
+        | Codomain::Character
+        | Codomain::Abstract(_)
         | Codomain::Other(_) => false,
     }
 }

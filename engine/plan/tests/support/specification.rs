@@ -125,6 +125,9 @@ impl Scanner {
             | Codomain::Text
             | Codomain::List { .. }
             | Codomain::Tuple { .. }
+            | Codomain::Map { .. }
+            | Codomain::Character
+            | Codomain::Abstract(_)
             | Codomain::Other(_) => None,
         };
         let name = name.to_owned();

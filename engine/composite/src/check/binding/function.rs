@@ -405,9 +405,11 @@ fn key(
 /// Returns whether values of the shape name elements of the domain.
 fn selects(domain: &Codomain, shape: &Shape) -> bool {
     match domain {
-        // constants of abstract domains are named by texts
         Codomain::Other(_) => matches!(shape, Shape::Text | Shape::Any),
-        Codomain::Boolean
+        Codomain::Abstract(_)
+        | Codomain::Character
+        | Codomain::Map { .. }
+        | Codomain::Boolean
         | Codomain::Integer
         | Codomain::Real
         | Codomain::Text
@@ -497,6 +499,7 @@ fn field(
     };
     if let (Some(function), Some(schema)) = (function, schema)
         && !fits(&function.codomain, &schema.shape)
+        && !(schema.shape == Shape::Text && is_written_as_text(function))
     {
         report.found(WrongFieldType {
             function: function.clone(),
@@ -557,7 +560,13 @@ pub(super) fn fits(codomain: &Codomain, shape: &Shape) -> bool {
         (Codomain::Boolean, _) => *shape == Shape::Bool,
         (Codomain::Integer, _) => shape.is_integer(),
         (Codomain::Real, _) => shape.is_number(),
-        (Codomain::Text | Codomain::Enum { .. }, _) => *shape == Shape::Text,
+        (
+            Codomain::Text | Codomain::Character | Codomain::Abstract(_) | Codomain::Enum { .. },
+            _,
+        ) => *shape == Shape::Text,
+        (Codomain::Map { key, item, .. }, Shape::Record(fields)) => fields
+            .iter()
+            .all(|field| is_key(key, &field.name) && fits(item, &field.schema.shape)),
         (Codomain::List { item, .. }, Shape::List(element) | Shape::Array(element, _)) => {
             fits(item, &element.shape)
         }
@@ -575,7 +584,28 @@ pub(super) fn fits(codomain: &Codomain, shape: &Shape) -> bool {
         (Codomain::List { .. } | Codomain::Tuple { .. }, Shape::Record(fields)) => {
             matches!(fields.as_slice(), [only] if fits(codomain, &only.schema.shape))
         }
-        (Codomain::List { .. } | Codomain::Tuple { .. }, _) => false,
+        (Codomain::List { .. } | Codomain::Tuple { .. } | Codomain::Map { .. }, _) => false,
+    }
+}
+
+/// Returns whether the values of an out function are written as texts: maps whose keys are no names of fields.
+fn is_written_as_text(function: &FunctionInfo) -> bool {
+    let is_out = matches!(function.kind, FunctionKind::Out | FunctionKind::Shared);
+    is_out && matches!(&function.codomain, Codomain::Map { key, .. } if !fits(key, &Shape::Text))
+}
+
+/// Returns whether the name of a field is a key of a map with keys of this codomain.
+fn is_key(codomain: &Codomain, name: &str) -> bool {
+    match codomain {
+        Codomain::Enum { literals, .. } => literals.iter().any(|literal| literal == name),
+        Codomain::Character => name.chars().count() == 1,
+        Codomain::Text | Codomain::Abstract(_) | Codomain::Other(_) => true,
+        Codomain::Boolean
+        | Codomain::Integer
+        | Codomain::Real
+        | Codomain::List { .. }
+        | Codomain::Tuple { .. }
+        | Codomain::Map { .. } => false,
     }
 }
 
@@ -614,8 +644,8 @@ fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<(&'v Codomain, &
         (Codomain::Boolean, Branch::Boolean(_))
         | (Codomain::Integer, Branch::Integer(_))
         | (Codomain::Real, Branch::Integer(_) | Branch::Float(_))
-        | (Codomain::Text, Branch::Text(_))
-        | (Codomain::Tuple { .. }, Branch::Table(_))
+        | (Codomain::Text | Codomain::Character | Codomain::Abstract(_), Branch::Text(_))
+        | (Codomain::Tuple { .. } | Codomain::Map { .. }, Branch::Table(_))
         | (Codomain::Other(_), _) => true,
         (
             Codomain::Boolean
@@ -624,6 +654,9 @@ fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<(&'v Codomain, &
             | Codomain::Text
             | Codomain::List { .. }
             | Codomain::Tuple { .. }
+            | Codomain::Map { .. }
+            | Codomain::Character
+            | Codomain::Abstract(_)
             | Codomain::Enum { .. },
             _,
         ) => false,
@@ -665,8 +698,10 @@ pub(in crate::check) fn literal(
         Codomain::Integer
         | Codomain::Real
         | Codomain::Text
+        | Codomain::Character
         | Codomain::List { .. }
-        | Codomain::Tuple { .. } => {
+        | Codomain::Tuple { .. }
+        | Codomain::Map { .. } => {
             let (found, at) = (format!("the literal `{}`", literal.value), literal.span);
             report.found(WrongLiteralType {
                 function: function.clone(),
@@ -675,7 +710,7 @@ pub(in crate::check) fn literal(
             });
             return;
         }
-        Codomain::Other(_) => return,
+        Codomain::Abstract(_) | Codomain::Other(_) => return,
     };
     if !literals.contains(&literal.value) {
         report.found(UnknownLiteral {
