@@ -13,7 +13,7 @@ pub mod yaml;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use asmotion_assembly::{Standard, Workshop};
+use asmotion_assembly::{CoordinatorOptions, Standard, Workshop};
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{HEALTH_TOPIC, Interface};
 use asmotion_composite::Catalogue;
@@ -367,7 +367,7 @@ fn declaration(
     let mut workshop = Standard {
         catalogue,
         loader: &DiskLoader,
-        seed: 0,
+        coordinators: CoordinatorOptions::seeded(0),
         builtins: &mut |component, plan| bridges::make(catalogue, component, plan),
     };
     let make = workshop.make(component, plan).ok()?;

@@ -19,6 +19,9 @@ pub struct Dashboard;
 /// Services over HTTP: gateways of composites, and wires to other systems.
 pub struct Http;
 
+/// Recordings in MCAP: `run --record FILE.mcap` and `[deploy] record`.
+pub struct Mcap;
+
 /// ROS: the built-in `ros-bridge`, `ros types`, `ros list` and `ros echo`.
 pub struct Ros;
 
@@ -47,6 +50,11 @@ impl Feature for Dashboard {
 impl Feature for Http {
     const NAME: &'static str = "http";
     const BRINGS: &'static str = "the gateway and client for services over HTTP";
+}
+
+impl Feature for Mcap {
+    const NAME: &'static str = "mcap";
+    const BRINGS: &'static str = "the recorder of runs in MCAP";
 }
 
 impl Feature for Ros {

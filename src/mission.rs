@@ -10,6 +10,7 @@ mod outcome;
 mod outside;
 mod process;
 mod proof;
+mod recording;
 mod robots;
 mod stall;
 mod version_switch;
@@ -21,6 +22,7 @@ pub use error::MissionError;
 pub use outcome::MissionOutcome;
 pub use outside::OutsideSystem;
 pub use process::{MissionBrokers, NamedBrokers};
+pub use recording::{RecordingRequest, RecordingResult};
 pub use stall::StalledCoordinator;
 pub use version_switch::{CompositeVersion, reconfigure_address};
 
@@ -28,10 +30,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asmotion_assembly::{Assembled, Standard, StartError};
+use asmotion_assembly::{Assembled, CoordinatorOptions, Standard, StartError};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::Programs;
+use asmotion_coordinator::RECORDED_CYCLE_REPORT;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
@@ -48,6 +51,7 @@ use crate::story::{Story, Summary};
 use crate::terminal::{Colour, TerminalOutput};
 use dashboard::OpenDashboard;
 use end_condition::{EndCondition, SLICE, awaited_updates};
+use recording::{MissionRecorder, RecordedMission};
 use robots::RobotsOnBrokers;
 use version_switch::VersionSwitch;
 
@@ -87,6 +91,8 @@ pub struct Mission {
     pub limit: Option<Duration>,
     /// Components whose failure does not end the run.
     pub may_fail: Vec<String>,
+    /// Recording of the run.
+    pub recording: RecordingRequest,
     /// Receives what the verification before the start finds, if the composite starts all the same; by default, it is printed as
     /// a warning on standard error.
     pub notice: fn(&str),
@@ -126,6 +132,8 @@ pub struct MissionEnd {
     pub lost: Vec<(String, u64)>,
     /// The coordinators and what they wait for, if the time was up.
     pub stalled: Vec<StalledCoordinator>,
+    /// Recording of the run; `None` if it was not recorded as MCAP.
+    pub recording: Option<RecordingResult>,
     /// Duration in its own time.
     pub time: Duration,
     /// Duration in real time.
@@ -161,6 +169,7 @@ impl Mission {
             unless: None,
             limit: Some(Duration::from_secs(600)),
             may_fail: Vec::new(),
+            recording: RecordingRequest::default(),
             notice: |text| TerminalOutput::new(Colour::Auto).warn(text),
         }
     }
@@ -228,7 +237,7 @@ impl Mission {
         let mut workshop = Standard {
             catalogue: self.build.catalogue(),
             loader: &DiskLoader,
-            seed: self.seed,
+            coordinators: self.coordinator_options(plan),
             builtins: &mut |component, plan| {
                 let robot = robots.make(component, plan);
                 robot.or_else(|| bridges.make(self.build.catalogue(), component, plan))
@@ -303,6 +312,8 @@ impl Mission {
             contacts.push(self.inside_contact(&mut system, &dashboard_bus, plan, &part)?);
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
+        let recorder = MissionRecorder::start(&self.recorded(), &opened, plan, &mut system);
+        let recorder = recorder.map_err(MissionError::Launch)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             MissionClock::Wall => Box::new(system.live()),
@@ -358,12 +369,14 @@ impl Mission {
         contacts.iter_mut().for_each(ProcessContact::leave);
         drop((run, contacts, successor, dashboard));
         drop((connected, client));
+        let recording = recorder.finish();
         Ok(MissionEnd {
             outcome,
             summary,
             failed,
             lost,
             stalled,
+            recording,
             time,
             wall: began.elapsed(),
         })
@@ -461,9 +474,56 @@ impl Mission {
                 until = until.min(next);
             }
             run.run_until_event(until, &mut |at, event| {
-                matches!(event, Event::Report { .. } | Event::Fault { .. }) || director.is_due(at)
+                is_notable(event) || director.is_due(at)
             });
         }
+    }
+
+    /// Returns the options of the coordinators of a plan.
+    fn coordinator_options(&self, plan: &Plan) -> CoordinatorOptions {
+        CoordinatorOptions {
+            seed: self.seed,
+            records_cycles: self.recording.records_cycles(plan),
+        }
+    }
+
+    /// The mission, as far as its recording depends on it.
+    fn recorded(&self) -> RecordedMission<'_> {
+        let settings = self.settings.iter();
+        let settings = settings.map(|(name, value)| format!("{name}={value}"));
+        let properties = self.properties.iter();
+        let properties = properties.map(|(of, name, value)| format!("{of}.{name}={value}"));
+        RecordedMission {
+            request: &self.recording,
+            is_virtual: matches!(self.clock, MissionClock::Virtual(_)),
+            seed: self.seed,
+            profile: self.profile.as_deref(),
+            process: self.process.as_deref(),
+            settings: settings.chain(properties).collect(),
+            notice: self.notice,
+        }
+    }
+}
+
+/// Returns whether an event can end the run. The record of a cycle cannot: a run takes the same course whether it is recorded or
+/// not.
+fn is_notable(event: &Event<'_>) -> bool {
+    match event {
+        Event::Report { kind, .. } => *kind != RECORDED_CYCLE_REPORT,
+        Event::Fault { .. } => true,
+        Event::Cycle { .. }
+        | Event::Published { .. }
+        | Event::Injected { .. }
+        | Event::Called { .. }
+        | Event::Answered { .. }
+        | Event::Replied { .. }
+        | Event::LifeCycle { .. }
+        | Event::Overrun { .. }
+        | Event::Late { .. }
+        | Event::Denied { .. }
+        | Event::Dropped { .. }
+        | Event::Property { .. }
+        | Event::Lost { .. } => false,
     }
 }
 

@@ -1,13 +1,15 @@
-//! Files written during a run: the trace and the table of port values.
+//! Files written by a run: the trace and the recording.
 
 use std::fs::File;
 use std::io;
+use std::path::Path;
 
 use asmotion_component::Time;
 use asmotion_recording::PortRecording;
 use asmotion_runtime::Event;
 use clap::Args;
 
+use crate::mission::RecordingRequest;
 use crate::trace::MissionTrace;
 
 /// Options that select the files to write.
@@ -17,8 +19,9 @@ pub struct OutputArguments {
     #[arg(long, value_name = "FILE")]
     trace: Option<String>,
 
-    /// Writes the values of ports as a table (CSV): a row for each instant, a column for each number, named
-    /// `Component.port.field`
+    /// Records the run. A name that ends in `.mcap` records messages, calls, events and the steps of coordinators, for viewers such
+    /// as Foxglove; a file that exists is kept, and the new one gets a number. Any other name gets the values of ports as a table
+    /// (CSV): a row for each instant, a column for each number, named `Component.port.field`
     #[arg(long, value_name = "FILE")]
     record: Option<String>,
 
@@ -35,10 +38,19 @@ pub struct OutputFiles {
 }
 
 impl OutputArguments {
-    /// Creates the requested files in memory.
+    /// The requested recording as MCAP, and that of the composite.
+    pub fn recording(&self, follows_composite: bool) -> RecordingRequest {
+        RecordingRequest {
+            file: self.record.clone().filter(|path| is_mcap(path)),
+            ports: self.ports.clone(),
+            follows_composite,
+        }
+    }
+
+    /// Creates the requested files in memory, other than those that are written during the run.
     pub fn open(&self) -> OutputFiles {
         let trace = self.trace.clone();
-        let record = self.record.clone();
+        let record = self.record.clone().filter(|path| !is_mcap(path));
         OutputFiles {
             trace: trace.map(|path| (path, MissionTrace::new())),
             record: record.map(|path| (path, PortRecording::of(&self.ports))),
@@ -73,6 +85,12 @@ impl OutputFiles {
         written.map_err(|error| cannot(path, error))?;
         Ok(record.unmatched_patterns().collect())
     }
+}
+
+/// Returns whether a file is to be MCAP, by its name.
+fn is_mcap(path: &str) -> bool {
+    let suffix = Path::new(path).extension();
+    suffix.is_some_and(|suffix| suffix.eq_ignore_ascii_case("mcap"))
 }
 
 fn cannot(path: &str, error: impl std::fmt::Display) -> String {

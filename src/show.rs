@@ -1,29 +1,9 @@
-//! States and steps as text and as JSON.
+//! Steps as JSON.
 
 use asmotion_lang::Step;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate;
 use serde_json::{Map, Value, json};
-
-/// Returns every location with a value, as pairs of location and value.
-pub fn state(machine: &Machine) -> Vec<(String, String)> {
-    let naming = machine.naming();
-    let mut locations: Vec<(String, String)> = machine
-        .state()
-        .locations(machine.program())
-        .into_iter()
-        .filter(|(_, _, slot)| !machine.state().get(*slot).is_undef())
-        .map(|(function, arguments, slot)| {
-            let location = simulate::applied(machine, function, &arguments);
-            (
-                location,
-                machine.state().get(slot).show(&naming).to_string(),
-            )
-        })
-        .collect();
-    locations.sort();
-    locations
-}
 
 /// A step as JSON.
 pub fn step_json(machine: &Machine, step: &Step<'_>) -> Value {

@@ -8,7 +8,7 @@ mod replay;
 pub use replay::{RecordedRun, RecordedUpdates, ReplayError, is_run_trace, recorded_run};
 
 use asmotion_component::{CallError, Time};
-use asmotion_coordinator::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
+use asmotion_coordinator::{FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT, StepRecord};
 use asmotion_datum::{Datum, Sample, cbor};
 use asmotion_runtime::Event;
 use std::fmt::Write;
@@ -34,6 +34,8 @@ impl MissionTrace {
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         let line = match event {
             Event::Cycle { .. } => return,
+            // a run has the same trace whether it is recorded or not
+            Event::Report { kind, .. } if *kind == RECORDED_CYCLE_REPORT => return,
             // initial properties contain file paths, which differ between machines
             Event::Property { .. } if at == Time::ZERO => return,
             Event::Published {

@@ -42,6 +42,7 @@ mod processes;
 mod programs;
 mod programs_cpp;
 mod reconfigure;
+mod recording;
 mod repl;
 mod returns;
 mod robots;

@@ -328,9 +328,14 @@ impl History {
             machine: self.session.machine.clone(),
             present: self.present.clone(),
         };
+        let has_messages = self.recorded_step().is_some_and(RecordedStep::has_messages);
         let done = self.apply(&event);
         let steps = moment.machine.steps();
         if done.is_err() && self.session.machine.steps() == steps {
+            if has_messages {
+                // a retry delivers them again
+                self.session.machine = moment.machine;
+            }
             // the machine has kept its state; restoring the generators lets a retry draw the same
             // values
             self.present = moment.present;
@@ -348,9 +353,13 @@ impl History {
 
     fn apply(&mut self, event: &HistoryEvent) -> Result<(), Report> {
         let now_ns = self.now();
-        let recorded = self.recorded_step().and_then(|step| {
+        let recorded = self.recorded_step().cloned();
+        let recorded = recorded.filter(|_| *event == HistoryEvent::Step);
+        let recorded = recorded.and_then(|step| {
+            let machine = &mut self.session.machine;
             // values that cannot be read are missing, which the step reports
-            let inputs = step.inputs(&self.session.machine).ok()?;
+            let inputs = step.inputs(machine).ok()?;
+            step.deliver(machine).ok()?;
             Some((inputs, step.choices(), step.now_ns))
         });
         let SessionState {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Span, Time};
 use asmotion_composite::model::BuiltinComponent;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
@@ -135,7 +135,7 @@ impl SpecsMission {
         let mut workshop = Standard {
             catalogue: &BUILD,
             loader: &Specs,
-            seed: self.seed,
+            coordinators: CoordinatorOptions::seeded(self.seed),
             builtins: &mut |_, _| None,
         };
         let mut system = asmotion_assembly::start(plan, &mut workshop).unwrap();

@@ -3,7 +3,7 @@
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Span, Time, Transition};
 use asmotion_composite::model::BuiltinComponent;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms, Tables};
@@ -61,7 +61,7 @@ fn navigation() -> (System, Orders) {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &Specs,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let plan = opened.plan(None).unwrap();

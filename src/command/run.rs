@@ -168,6 +168,7 @@ impl Run {
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
         mission.dashboard = self.common.dashboard(false)?;
+        mission.recording = self.common.books.recording(true);
         mission.brokers = self.brokers(&mission)?;
         self.common.enable_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
@@ -297,6 +298,7 @@ impl MissionArguments {
             terminal.error(problem);
             return Exit::Usage;
         }
+        mission.recording = self.books.recording(false);
         self.enable_spectators(&mut mission);
         self.run_mission(title, &mission, false, terminal)
     }
@@ -373,7 +375,8 @@ impl MissionArguments {
         };
         match lock(&output_files).close() {
             Ok(silent) => {
-                for pattern in silent {
+                let unmatched = result.recording.iter().flat_map(|it| &it.unmatched);
+                for pattern in silent.into_iter().chain(unmatched.map(String::as_str)) {
                     terminal.warn(format_args!(
                         "`{pattern}`: no port of this name published anything"
                     ));

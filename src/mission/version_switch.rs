@@ -182,7 +182,8 @@ fn version_of(
     loader: Arc<dyn Loader + Send + Sync>,
 ) -> Version {
     let catalogue = mission.build.shared_catalogue();
-    Version::new(plan.clone(), part, catalogue, loader, mission.seed)
+    let options = mission.coordinator_options(plan);
+    Version::new(plan.clone(), part, catalogue, loader, options)
 }
 
 fn refusal(code: &str, detail: impl ToString) -> Refusal {

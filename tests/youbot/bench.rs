@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{
     CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, NOTICE_REPORT, Out,
     Property, Provided, Required, ThawError, Time,
@@ -382,7 +382,7 @@ fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let mut system = asmotion_assembly::start(plan, &mut workshop).unwrap();

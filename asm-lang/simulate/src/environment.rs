@@ -24,6 +24,7 @@ use crate::codes::s005::NotAnAnswer;
 use crate::codes::s006::UnknownPartner;
 use crate::literal::Literals;
 use crate::partner::ScriptedAnswer;
+use crate::recorded_message::fault_named;
 use asmotion_diagnostics::{FileId, Finding, Report, Span, similar};
 use asmotion_ir::{FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_machine::{CallFault, Environment};
@@ -401,16 +402,6 @@ impl ScriptReader<'_> {
             .into_iter()
             .map(|item| self.value(item.get_ref(), shape))
             .collect()
-    }
-}
-
-fn fault_named(name: &str) -> Option<CallFault> {
-    match name {
-        "CALL_TIMEOUT" => Some(CallFault::Timeout),
-        "CALL_UNAVAILABLE" => Some(CallFault::Unavailable),
-        "CALL_FAILED" => Some(CallFault::Failed),
-        "CALL_CANCELLED" => Some(CallFault::Cancelled),
-        _ => None,
     }
 }
 

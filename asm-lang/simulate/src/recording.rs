@@ -1,6 +1,7 @@
 //! Replay: repeats a recorded run with the same inputs, choices and times.
 
 use crate::literal::Literals;
+use crate::recorded_message::{RecordedMessage, UnfitMessage};
 use asmotion_ir::{FunctionId, FunctionKind, Program};
 use asmotion_machine::{Chooser, Environment, Machine};
 use asmotion_value::Value;
@@ -24,16 +25,23 @@ enum UnreadInput {
     Silent,
     /// Undef: the recording tool reads inputs in a different order and may skip some.
     Undefined,
+    /// As without an environment: the recording has the values of all bound locations, whether the step read them or not.
+    Unbound,
 }
+
+/// Locations and their values, as text.
+pub type InputTexts = Vec<(String, String)>;
 
 /// The inputs, choices and time of a recorded step.
 #[derive(Clone, Debug, Default)]
 pub struct RecordedStep {
     /// The time of the step in nanoseconds.
     pub now_ns: i64,
-    /// Location and value, as text.
-    inputs: Vec<(String, String)>,
+    /// Shared by steps with the same inputs.
+    inputs: Arc<InputTexts>,
     choices: Vec<usize>,
+    /// What reached the machine before the step.
+    messages: Vec<RecordedMessage>,
     unread: UnreadInput,
 }
 
@@ -61,7 +69,8 @@ impl Recording {
                 "T" => step.now_ns = rest.trim().parse().unwrap_or_default(),
                 "M" => {
                     if let Some((location, value)) = rest.split_once(" = ") {
-                        step.inputs.push((location.to_owned(), value.to_owned()));
+                        let input = (location.to_owned(), value.to_owned());
+                        Arc::make_mut(&mut step.inputs).push(input);
                     }
                 }
                 "C" => {
@@ -83,6 +92,12 @@ impl Recording {
         recorded.unwrap_or_else(|| self.unrecorded())
     }
 
+    /// Returns a recording of these steps.
+    pub fn of_steps(steps: Vec<RecordedStep>) -> Self {
+        let unread = steps.first().map(|step| step.unread).unwrap_or_default();
+        Self { steps, unread }
+    }
+
     fn unrecorded(&self) -> RecordedStep {
         RecordedStep {
             unread: self.unread,
@@ -97,11 +112,53 @@ impl Recording {
 }
 
 impl RecordedStep {
+    /// Returns a step with the values of all bound inputs, and with the messages that reached the machine before it.
+    pub fn with_frame(
+        now_ns: i64,
+        inputs: Arc<InputTexts>,
+        choices: Vec<usize>,
+        messages: Vec<RecordedMessage>,
+    ) -> Self {
+        Self {
+            now_ns,
+            inputs,
+            choices,
+            messages,
+            unread: UnreadInput::Unbound,
+        }
+    }
+
+    /// Returns whether messages reached the machine before the step.
+    pub fn has_messages(&self) -> bool {
+        !self.messages.is_empty()
+    }
+
+    /// Passes the messages before the step to a machine.
+    ///
+    /// # Errors
+    /// The text in a message that denotes no value of the machine's program.
+    pub fn deliver(&self, machine: &mut Machine) -> Result<(), UnfitMessage> {
+        self.messages
+            .iter()
+            .try_for_each(|message| message.apply(machine))
+    }
+
     /// Returns the inputs of the step for a machine that is about to execute it.
     ///
     /// # Errors
     /// The lines that name no input of the machine, or give it an invalid value.
     pub fn inputs(&self, machine: &Machine) -> Result<RecordedInputs, Vec<String>> {
+        let (inputs, unreadable) = self.readable_inputs(machine);
+        if unreadable.is_empty() {
+            Ok(inputs)
+        } else {
+            Err(unreadable)
+        }
+    }
+
+    /// Returns the inputs of the step as far as they fit a machine that is about to execute it, and the lines that name no input of
+    /// the machine or give it an invalid value.
+    pub fn readable_inputs(&self, machine: &Machine) -> (RecordedInputs, Vec<String>) {
         let naming = machine.naming();
         let literals = Literals::new(naming.program, naming.reserve);
         let mut inputs = RecordedInputs {
@@ -111,7 +168,7 @@ impl RecordedStep {
             ticks: Ticks::default(),
         };
         let mut unreadable = Vec::new();
-        for (location, value) in &self.inputs {
+        for (location, value) in &*self.inputs {
             match literals.input(location, value) {
                 Some((location, value)) => {
                     inputs.values.entry(location).or_default().push_back(value);
@@ -119,11 +176,7 @@ impl RecordedStep {
                 None => unreadable.push(format!("{location} = {value}")),
             }
         }
-        if unreadable.is_empty() {
-            Ok(inputs)
-        } else {
-            Err(unreadable)
-        }
+        (inputs, unreadable)
     }
 
     /// Returns the choices of the step.

@@ -30,6 +30,24 @@ pub fn applied(
     format!("{name}({})", arguments.join(", "))
 }
 
+/// Returns every location with a value, as pairs of location and value, sorted by location.
+pub fn state(machine: &Machine) -> Vec<(String, String)> {
+    let naming = machine.naming();
+    let mut locations: Vec<(String, String)> = machine
+        .state()
+        .locations(machine.program())
+        .into_iter()
+        .filter(|(_, _, slot)| !machine.state().get(*slot).is_undef())
+        .map(|(function, arguments, slot)| {
+            let location = applied(machine, function, &arguments);
+            let value = machine.state().get(slot).show(&naming).to_string();
+            (location, value)
+        })
+        .collect();
+    locations.sort();
+    locations
+}
+
 /// Returns the updates of the last step as location, previous value and new value, sorted by
 /// location.
 pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, String)> {

@@ -162,6 +162,8 @@ impl Simulation {
                     step: number + 1,
                     lines,
                 };
+                let delivered = recorded.deliver(machine);
+                delivered.map_err(|message| unreadable(vec![message.0]))?;
                 let mut inputs = recorded
                     .inputs(machine)
                     .map_err(unreadable)?

@@ -9,7 +9,7 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::Loader;
 use asmotion_runtime::{Change, ComponentAddition, Replacement, Run};
 
-use crate::start::{self, Standard, Workshop};
+use crate::start::{self, CoordinatorOptions, Standard, Workshop};
 use asmotion_plan::{
     Component, Connection, End, Endpoint, Implementation, Part, Plan, Process, PropertyValues,
     Terminal, Topic, Wire,
@@ -24,19 +24,19 @@ pub struct Version {
     pub part: Part,
     catalogue: Arc<dyn Catalogue + Send + Sync>,
     loader: Arc<dyn Loader + Send + Sync>,
-    seed: u64,
+    coordinators: CoordinatorOptions,
     /// The texts of each component's specification and its imports, in the order in which they are loaded.
     texts: BTreeMap<String, Vec<Arc<str>>>,
 }
 
 impl Version {
-    /// Reads the specifications of a part of a plan. Catalogue, loader and seed are those of [`Standard`].
+    /// Reads the specifications of a part of a plan. Catalogue, loader and options are those of [`Standard`].
     pub fn new(
         plan: Plan,
         part: Part,
         catalogue: Arc<dyn Catalogue + Send + Sync>,
         loader: Arc<dyn Loader + Send + Sync>,
-        seed: u64,
+        coordinators: CoordinatorOptions,
     ) -> Self {
         let here = plan.components.iter().filter(|it| part.has(&it.name));
         let texts = here.filter_map(|component| {
@@ -50,7 +50,7 @@ impl Version {
             part,
             catalogue,
             loader,
-            seed,
+            coordinators,
         }
     }
 
@@ -67,7 +67,7 @@ impl Version {
             let mut workshop = Standard {
                 catalogue: &*version.catalogue,
                 loader: &*version.loader,
-                seed: version.seed,
+                coordinators: version.coordinators,
                 builtins: &mut |_, _| None,
             };
             workshop.make(&component, &version.plan)?(interface)

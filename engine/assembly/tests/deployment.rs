@@ -1,6 +1,6 @@
 //! Deployment (O3, O12, O13): scheduling, site-specific overlays and stop order.
 
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Component, Cycle, Fault, Interface, Property, Span};
 use asmotion_composite::{Context, Tables};
 use asmotion_datum::Datum;
@@ -31,7 +31,7 @@ fn start(files: &MemoryFiles, opened: &Opened) -> System {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
-        seed: 0,
+        coordinators: CoordinatorOptions::seeded(0),
         builtins: &mut |_, _| None,
     };
     asmotion_assembly::start(plan, &mut workshop).expect("a system")

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use asmotion_assembly::Standard;
 use asmotion_assembly::reconfigure::{Version, changes};
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, Property, Span};
 use asmotion_composite::{Context, Tables};
 use asmotion_datum::{Message, Schema};
@@ -136,7 +136,7 @@ fn version(replaced: &[(&str, &str)]) -> Version {
         Part::Whole,
         Arc::new(BUILD),
         Arc::new(files),
-        0,
+        CoordinatorOptions::seeded(0),
     )
 }
 
@@ -147,13 +147,19 @@ fn running() -> (Version, asmotion_runtime::System, Log) {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
-        seed: 0,
+        coordinators: CoordinatorOptions::seeded(0),
         builtins: &mut |_, _| None,
     };
     let mut system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
     let log = Log::new();
     system.observe(log.clone());
-    let version = Version::new(plan, Part::Whole, Arc::new(BUILD), Arc::new(files), 0);
+    let version = Version::new(
+        plan,
+        Part::Whole,
+        Arc::new(BUILD),
+        Arc::new(files),
+        CoordinatorOptions::seeded(0),
+    );
     (version, system, log)
 }
 

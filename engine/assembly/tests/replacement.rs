@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use asmotion_assembly::Standard;
 use asmotion_assembly::reconfigure::{Version, changes};
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Operation, Out, Provided, Span, Time, Transition,
 };
@@ -248,7 +248,7 @@ pub(crate) fn version(composite: &str, specification: &str) -> (MemoryFiles, Ver
         Part::Whole,
         Arc::new(BUILD),
         Arc::new(files.clone()),
-        1,
+        CoordinatorOptions::seeded(1),
     );
     (files, version)
 }
@@ -257,7 +257,7 @@ pub(crate) fn start((files, version): &(MemoryFiles, Version)) -> (System, Log) 
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let mut system = asmotion_assembly::start(&version.plan, &mut workshop).expect("a system");

@@ -1,7 +1,7 @@
 //! Execution of composites in simulated time.
 
 use crate::variables::Variables;
-use asmotion_assembly::{Standard, StartError};
+use asmotion_assembly::{CoordinatorOptions, Standard, StartError};
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided, Span,
@@ -246,7 +246,7 @@ fn start(files: &MemoryFiles, plan: &asmotion_plan::Plan) -> Result<System, Star
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     asmotion_assembly::start(plan, &mut workshop)

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crate::variables::Variables;
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Component, Cycle, Fault, Interface, State, Time, Transition};
 use asmotion_composite::{AsmFiles, Constructor, Context, Tables};
 use asmotion_coordinator::StepRecord;
@@ -94,7 +94,7 @@ fn simulated(keys: &str) -> Simulation {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
@@ -194,7 +194,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let plan = opened.plan(None).expect("a plan");

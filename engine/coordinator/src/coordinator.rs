@@ -3,11 +3,13 @@
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces};
 use crate::content::AfterStep;
+use crate::cycle_recorder::CycleRecorder;
 use crate::effects::{EffectHandles, EffectOutbox, OutputResolver, WrittenPort};
 use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
+use crate::recorded::{CycleCauses, MachineOrigin, RECORDED_CYCLE_REPORT, RecordedCycle};
 use crate::requests::Requests;
 use crate::step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
 use crate::terms::BindingTerms;
@@ -18,7 +20,7 @@ use asmotion_component::{
 };
 use asmotion_datum::{Datum, Message};
 use asmotion_lang::machine::{BackEnd, Machine, StepFault};
-use asmotion_lang::simulate::Seeded;
+use asmotion_lang::simulate::{RecordedMessage, Seeded};
 use asmotion_lang::{Diagnostic, FaultKind, Specification, Style, Value};
 use std::any::Any;
 
@@ -41,6 +43,8 @@ pub struct Coordinator {
     pub(crate) reported: Losses,
     /// The last step that wrote something, and its time, for observers; not part of the frozen state.
     pub(crate) last_record: Option<(Time, StepRecord)>,
+    /// Collects what a recording needs; `None` unless the run is recorded. Not part of the frozen state.
+    pub(crate) recorder: Option<CycleRecorder>,
 }
 
 /// Kind of the report with the number of lost messages, a [`Losses`].
@@ -101,7 +105,13 @@ impl Coordinator {
             frame,
             reported: Losses::default(),
             last_record: None,
+            recorder: None,
         })
+    }
+
+    /// Reports every cycle from now on as a [`RecordedCycle`], for a recording of the run.
+    pub fn record_cycles(&mut self) {
+        self.recorder = Some(CycleRecorder::new(MachineOrigin::Initial));
     }
 }
 
@@ -134,6 +144,9 @@ impl Component for Coordinator {
             self.machine = machine.map_err(Fault::new)?;
             self.inbox.stop_timers();
             self.outbox.published.clear();
+            if let Some(recorder) = &mut self.recorder {
+                recorder.begin(MachineOrigin::Initial);
+            }
         }
         // without native code, closures compute the same steps
         let _ = self.machine.set_back_end(BackEnd::Native);
@@ -155,8 +168,15 @@ impl Component for Coordinator {
         {
             cycle.report(NOTICE_REPORT, Datum::text(notice));
         }
-        self.outbox.receive(cycle, &mut self.inbox);
-        self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);
+        let ended = self.outbox.receive(cycle, &mut self.inbox);
+        let (machine, recorder) = (&mut self.machine, &mut self.recorder);
+        self.inbox.losses.misfits += self.partners.receive(cycle, machine, recorder);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.note_ports(self.outbox.ports(), cycle);
+            let requests = self.requests.with_requests();
+            let operations = ended.iter().chain(requests);
+            operations.for_each(|operation| recorder.note_cause(operation.to_string()));
+        }
         self.update_bus_health(cycle);
         let now = cycle.now();
         self.inbox.freeze(now, &mut self.frame);
@@ -164,6 +184,7 @@ impl Component for Coordinator {
             // the conditions that hold in the initial state
             self.update_timers(now)?;
         }
+        let (steps, causes) = (self.machine.steps(), self.recorded_causes());
         let stepped = self
             .machine
             .step(&mut self.frame, &mut self.chooser, now.nanos());
@@ -171,6 +192,7 @@ impl Component for Coordinator {
             let record = StepRecord::failed(&self.specification, &self.machine, fault.step);
             cycle.report(FAILED_STEP_REPORT, Datum::of(&record)?);
             let finding = self.specification.explain_in(&fault, &self.machine);
+            self.record_cycle(steps, causes, Some(&finding), cycle)?;
             let finding = with_missing_inputs(finding, &fault, &self.machine);
             return Err(self.rendered(&finding));
         }
@@ -181,6 +203,7 @@ impl Component for Coordinator {
             cycle.report(STEP_REPORT, Datum::of(&record)?);
             self.last_record = Some((cycle.now(), record));
         }
+        self.record_cycle(steps, causes, None, cycle)?;
         let mut after = AfterStep {
             machine: &mut self.machine,
             frame: &mut self.frame,
@@ -204,7 +227,7 @@ impl Component for Coordinator {
     /// Ends all calls under way; for the specification they have failed.
     fn stop(&mut self, _: &mut Cycle<'_>) {
         self.outbox.stop(&mut self.inbox);
-        self.partners.stop(&mut self.machine);
+        self.partners.stop(&mut self.machine, &mut self.recorder);
     }
 }
 
@@ -240,6 +263,31 @@ fn with_missing_inputs(finding: Diagnostic, fault: &StepFault, machine: &Machine
 }
 
 impl Coordinator {
+    /// The causes of the next step, if the run is recorded.
+    fn recorded_causes(&mut self) -> Option<CycleCauses> {
+        let recorder = self.recorder.as_mut()?;
+        let agents = self.partners.agents();
+        Some(recorder.causes(&self.specification, &self.machine, &self.frame, &agents))
+    }
+
+    /// Reports the step that was made from these causes. It is reported in a cycle that fails as well: a recording repeats that
+    /// one, too.
+    fn record_cycle(
+        &self,
+        steps: u64,
+        causes: Option<CycleCauses>,
+        fault: Option<&Diagnostic>,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(), Fault> {
+        let Some(causes) = causes else {
+            return Ok(());
+        };
+        let fault = fault.map(|finding| finding.message.clone());
+        let record = RecordedCycle::of(&self.specification, &self.machine, steps, causes, fault);
+        cycle.report(RECORDED_CYCLE_REPORT, Datum::of(&record)?);
+        Ok(())
+    }
+
     /// Starts and stops timers according to their conditions in the current state.
     pub(crate) fn update_timers(&mut self, now: Time) -> Result<(), Fault> {
         let (inbox, machine) = (&mut self.inbox, &mut self.machine);
@@ -292,8 +340,11 @@ impl Coordinator {
         if let Flow::NewData(health) = cycle.read(port)
             && let Some(state) = health.get("state")
         {
-            let is_up = state.as_text() == Some(BusHealth::UP);
-            self.machine.set_channel_down(!is_up);
+            let is_down = state.as_text() != Some(BusHealth::UP);
+            if let Some(recorder) = &mut self.recorder {
+                recorder.note_message(RecordedMessage::Channel { is_down });
+            }
+            self.machine.set_channel_down(is_down);
         }
     }
 }

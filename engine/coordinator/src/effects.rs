@@ -275,8 +275,13 @@ impl EffectOutbox {
         }
     }
 
-    /// Handles the calls that have ended: keeps responses, and turns outcomes into events.
-    pub fn receive(&mut self, cycle: &mut Cycle<'_>, inbox: &mut MessageInputs) {
+    /// Handles the calls that have ended: keeps responses, and turns outcomes into events. Returns the operations of these calls.
+    pub fn receive(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        inbox: &mut MessageInputs,
+    ) -> Vec<BoundOperation> {
+        let mut ended = Vec::new();
         for operation in &self.operations {
             for Reply { call, result } in cycle.replies(*operation) {
                 let mut pending = self.pending.iter();
@@ -310,8 +315,10 @@ impl EffectOutbox {
                 if let (Some(input), Some(event)) = (outcome.event, event) {
                     inbox.push(input, event, outcome.output);
                 }
+                ended.push(outcome.operation);
             }
         }
+        ended
     }
 
     /// The operations of the calls under way.

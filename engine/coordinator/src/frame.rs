@@ -2,6 +2,8 @@
 
 use asmotion_lang::Environment;
 use asmotion_lang::ir::FunctionId;
+use asmotion_lang::machine::Machine;
+use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
 use std::collections::BTreeMap;
 
@@ -30,6 +32,24 @@ impl InputFrame {
     /// Position of a bound location.
     pub fn position(&self, function: FunctionId, arguments: &[Value]) -> Option<usize> {
         self.positions.get(&function)?.get(arguments).copied()
+    }
+
+    /// The values of all bound locations, by position; `None` until the inputs are fixed for the first time.
+    pub fn values(&self) -> &[Option<Value>] {
+        &self.values
+    }
+
+    /// Names of the bound locations, by position.
+    pub fn names(&self, machine: &Machine) -> Vec<String> {
+        let mut names = vec![String::new(); self.values.len()];
+        for (function, bound) in &self.positions {
+            for (arguments, position) in bound {
+                if let Some(name) = names.get_mut(*position) {
+                    *name = simulate::applied(machine, *function, arguments);
+                }
+            }
+        }
+        names
     }
 
     pub fn clear(&mut self) {

@@ -5,6 +5,7 @@ use crate::effects::PendingOutcome;
 use crate::event_queue::{EventQueue, WaitingEvent};
 use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::PartnerCall;
+use crate::recorded::MachineOrigin;
 use crate::requests::WaitingCaller;
 use asmotion_component::{
     CallId, CannotFreeze, FrozenState, Losses, RequestId, ThawError, ThawProblem, Time,
@@ -318,6 +319,9 @@ impl Coordinator {
         self.chooser = frozen.chooser;
         self.machine = machine;
         self.frame.clear();
+        if let Some(recorder) = &mut self.recorder {
+            recorder.begin(MachineOrigin::Frozen);
+        }
         Ok(())
     }
 

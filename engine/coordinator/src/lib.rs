@@ -10,6 +10,7 @@ mod bound_location;
 mod content;
 mod convert;
 mod coordinator;
+mod cycle_recorder;
 mod effects;
 mod event_queue;
 mod fingerprint;
@@ -18,6 +19,7 @@ mod freeze;
 mod inputs;
 mod location;
 mod partners;
+mod recorded;
 mod requests;
 mod status;
 mod step;
@@ -34,5 +36,9 @@ pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
 pub use location::{LocationArgument, LocationName};
 pub use partners::{BAD_REPLY_REPORT, BadReply};
+pub use recorded::{
+    ChoiceRecord, CycleCauses, MachineBegin, MachineOrigin, RECORDED_CYCLE_REPORT, ReadLocation,
+    RecordedCycle, SourceRecord,
+};
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};

@@ -5,6 +5,7 @@
 //! (SCA-ASM; T25 to T27 of the TCA paper.)
 
 use crate::convert::{datum_of, value_of};
+use crate::cycle_recorder::CycleRecorder;
 use asmotion_component::{
     CallError, CallId, Cycle, Dynamic, Interface, Provided, RequestId, Required, ServiceFault,
 };
@@ -12,6 +13,7 @@ use asmotion_datum::Datum;
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{DomainId, MessageRole, Program, ValueShape, message_uses};
 use asmotion_lang::machine::{CallFault, Machine, MessageId, SentKind, SentMessage};
+use asmotion_lang::simulate::{RecordedMessage, fault_name};
 use asmotion_lang::value::{Atom, Value};
 use serde::{Deserialize, Serialize};
 
@@ -209,7 +211,12 @@ impl MessagePartners {
     }
 
     /// Delivers the messages of this cycle to the agents. Returns how many did not fit.
-    pub fn receive(&mut self, cycle: &mut Cycle<'_>, machine: &mut Machine) -> u64 {
+    pub fn receive(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        machine: &mut Machine,
+        recorder: &mut Option<CycleRecorder>,
+    ) -> u64 {
         let mut misfits = 0;
         for (index, served) in self.own_operations.iter().enumerate() {
             for request in cycle.requests(served.handle) {
@@ -223,6 +230,17 @@ impl MessagePartners {
                     cycle.reply(served.handle, request.id, Err(fault));
                     continue;
                 };
+                if let Some(recorder) = recorder {
+                    recorder.note_cause(&*served.operation);
+                    let delivered = delivered(
+                        &Value::Undef,
+                        &Value::Undef,
+                        &served.operation,
+                        &data,
+                        machine,
+                    );
+                    recorder.note_message(delivered);
+                }
                 let id = machine.deliver(Value::Undef, Value::Undef, &served.operation, data);
                 if request.deadline.is_some() {
                     self.requests.push((id, index, request.id));
@@ -241,7 +259,7 @@ impl MessagePartners {
                 continue;
             };
             let (number, call) = self.calls.swap_remove(at);
-            if let Some(found) = self.complete(&call, reply.result, machine) {
+            if let Some(found) = self.complete(&call, reply.result, machine, recorder) {
                 misfits += 1;
                 let bad = self.bad_reply(number, &call, &found, machine.program());
                 // a record of texts and numbers has a datum
@@ -281,6 +299,7 @@ impl MessagePartners {
         call: &PartnerCall,
         result: Result<Datum, CallError>,
         machine: &mut Machine,
+        recorder: &mut Option<CycleRecorder>,
     ) -> Option<Datum> {
         let operation = &self.partner_operations[call.operation_index];
         let outcome = match &result {
@@ -294,6 +313,10 @@ impl MessagePartners {
             Err(CallError::Cancelled) => Err(CallFault::Cancelled),
         };
         let misfit = result.ok().filter(|_| outcome.is_err());
+        if let Some(recorder) = recorder {
+            recorder.note_cause(format!("{}.{}", operation.reference, operation.operation));
+            recorder.note_message(ended(call, operation, &outcome, machine));
+        }
         match outcome {
             _ if call.is_synchronous => machine.end_call(call.message, outcome),
             Ok(data) => {
@@ -319,9 +342,9 @@ impl MessagePartners {
     }
 
     /// Ends all calls as cancelled, because the component stops.
-    pub fn stop(&mut self, machine: &mut Machine) {
+    pub fn stop(&mut self, machine: &mut Machine, recorder: &mut Option<CycleRecorder>) {
         for (_, call) in std::mem::take(&mut self.calls) {
-            self.complete(&call, Err(CallError::Cancelled), machine);
+            self.complete(&call, Err(CallError::Cancelled), machine, recorder);
         }
         // their callers are notified when the runtime closes the services
         self.requests.clear();
@@ -385,6 +408,51 @@ impl MessagePartners {
             operation_index: index,
         };
         self.calls.push((call, partner_call));
+    }
+}
+
+/// The record of a message that arrives for an agent.
+fn delivered(
+    from: &Value,
+    to: &Value,
+    operation: &str,
+    data: &Value,
+    machine: &Machine,
+) -> RecordedMessage {
+    let naming = machine.naming();
+    let show = |value: &Value| value.show(&naming).to_string();
+    RecordedMessage::Delivered {
+        from: show(from),
+        to: show(to),
+        operation: operation.to_owned(),
+        data: show(data),
+    }
+}
+
+/// The record of the end of a call, as [`MessagePartners::complete`] passes it to the machine.
+fn ended(
+    call: &PartnerCall,
+    operation: &PartnerOperation,
+    outcome: &Result<Value, CallFault>,
+    machine: &Machine,
+) -> RecordedMessage {
+    let show = |value: &Value| value.show(&machine.naming()).to_string();
+    let name = operation.operation.clone();
+    match outcome {
+        Ok(data) if call.is_synchronous => RecordedMessage::Replied {
+            call: call.message.0,
+            operation: name,
+            data: show(data),
+        },
+        Err(fault) if call.is_synchronous => RecordedMessage::Failed {
+            call: call.message.0,
+            fault: fault_name(*fault).to_owned(),
+        },
+        Ok(data) => delivered(&operation.partner, &call.from, &name, data, machine),
+        Err(_) => RecordedMessage::Unsent {
+            from: show(&call.from),
+            operation: name,
+        },
     }
 }
 

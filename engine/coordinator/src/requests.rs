@@ -82,6 +82,14 @@ impl Requests {
             .map_or(&[], |served| &served.received)
     }
 
+    /// The operations with requests in this cycle.
+    pub fn with_requests(&self) -> impl Iterator<Item = &BoundOperation> {
+        let served = self.served.iter();
+        served
+            .filter(|served| !served.received.is_empty())
+            .map(|served| &served.operation)
+    }
+
     /// The newest request of a service.
     pub fn last(&self, service: &str) -> Option<&Datum> {
         let mut served = self.served.iter();

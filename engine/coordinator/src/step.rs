@@ -57,9 +57,6 @@ impl StepRecord {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
         let inputs = step.inputs().iter();
-        let mut updates: Vec<_> = step.updates().iter().zip(step.before()).collect();
-        updates.sort_by_cached_key(|(update, _)| simulate::location(machine, update.slot));
-        let updates = updates.into_iter();
         Self {
             specification: specification.model.name.to_string(),
             number: step.number(),
@@ -71,14 +68,27 @@ impl StepRecord {
                 .iter()
                 .map(|choice| (choice.index as u64, choice.count as u64))
                 .collect(),
-            updates: updates
-                .map(|(update, before)| UpdateRecord {
-                    location: simulate::location(machine, update.slot),
-                    before: show(before),
-                    after: show(&update.value),
-                    place: specification.place(update.origin),
-                })
-                .collect(),
+            updates: update_records(specification, machine, step),
         }
     }
+}
+
+/// The update set of a step that was just made, ordered by location.
+pub(crate) fn update_records(
+    specification: &Specification,
+    machine: &Machine,
+    step: &Step<'_>,
+) -> Vec<UpdateRecord> {
+    let naming = machine.naming();
+    let show = |value: &Value| value.show(&naming).to_string();
+    let updates = step.updates().iter().zip(step.before());
+    let records = updates.map(|(update, before)| UpdateRecord {
+        location: simulate::location(machine, update.slot),
+        before: show(before),
+        after: show(&update.value),
+        place: specification.place(update.origin),
+    });
+    let mut records: Vec<_> = records.collect();
+    records.sort_by(|one, other| one.location.cmp(&other.location));
+    records
 }

@@ -6,6 +6,7 @@
 
 use crate::binding::{Monitored, Source};
 use crate::coordinator::Coordinator;
+use crate::cycle_recorder::replacement;
 use crate::event_queue::WaitingEvent;
 use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::{MessagePartners, PartnerCall};
@@ -33,6 +34,12 @@ impl Coordinator {
         let dropped = self.keep_inputs(predecessor, &elements)?;
         self.keep_calls(predecessor, &elements)?;
         self.inbox.observe(now, &mut self.frame);
+        let recorder = predecessor.recorder.as_ref().map(|recorder| {
+            let origin = replacement(&self.machine, &self.frame, now);
+            let agents = predecessor.partners.agents();
+            let (specification, machine) = (&predecessor.specification, &predecessor.machine);
+            recorder.after(specification, machine, &agents, origin)
+        });
         let (machine, frame) = (&mut self.machine, &mut self.frame);
         machine
             .continue_from(&predecessor.machine, &elements, frame, now.nanos())
@@ -41,6 +48,7 @@ impl Coordinator {
         checked.map_err(|fault| self.unfit_invariant(&fault))?;
         self.chooser = predecessor.chooser.clone();
         self.reported = predecessor.reported;
+        self.recorder = recorder;
         self.last_record.clone_from(&predecessor.last_record);
         if self.machine.steps() > 0 {
             self.update_timers(now)?;

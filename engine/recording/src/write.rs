@@ -7,6 +7,8 @@ use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_runtime::Event;
 
+use crate::pattern::PortPatterns;
+
 /// Name of the first column.
 pub(crate) const TIME: &str = "time_s";
 /// Last part of the name of a column with the length of a long list.
@@ -17,18 +19,11 @@ const WIDE: usize = 64;
 /// Values published by ports, by time.
 #[derive(Debug)]
 pub struct PortRecording {
-    patterns: Vec<PortPattern>,
+    patterns: PortPatterns,
     columns: Vec<String>,
     /// Index of each column.
     column_indices: BTreeMap<String, usize>,
     rows: Vec<RecordingRow>,
-}
-
-/// A pattern of ports; `*` matches any characters.
-#[derive(Debug)]
-struct PortPattern {
-    pattern: String,
-    is_matched: bool,
 }
 
 /// Values published at an instant.
@@ -42,15 +37,8 @@ struct RecordingRow {
 impl PortRecording {
     /// Records the ports and topics that match one of the patterns; without patterns, all of them.
     pub fn of(patterns: &[String]) -> Self {
-        let pattern_of = |pattern: &str| PortPattern {
-            pattern: pattern.to_owned(),
-            is_matched: false,
-        };
         Self {
-            patterns: match patterns {
-                [] => vec![pattern_of("*")],
-                some => some.iter().map(|it| pattern_of(it)).collect(),
-            },
+            patterns: PortPatterns::new(patterns),
             columns: Vec::new(),
             column_indices: BTreeMap::new(),
             rows: Vec::new(),
@@ -70,16 +58,11 @@ impl PortRecording {
             return;
         };
         let name = format!("{component}.{port}");
-        let names = [Some(name.as_str()), *topic];
-        let mut is_wanted = false;
-        for wanted in &mut self.patterns {
-            let is_match = names
-                .iter()
-                .flatten()
-                .any(|name| matches(&wanted.pattern, name));
-            wanted.is_matched |= is_match;
-            is_wanted |= is_match;
-        }
+        let names: Vec<&str> = [Some(name.as_str()), *topic]
+            .into_iter()
+            .flatten()
+            .collect();
+        let is_wanted = self.patterns.select(&names);
         if let (true, Ok(datum)) = (is_wanted, sample.to_datum()) {
             let mut values = Vec::new();
             flatten(&name, &datum, &mut values);
@@ -89,8 +72,7 @@ impl PortRecording {
 
     /// Patterns of ports that published nothing.
     pub fn unmatched_patterns(&self) -> impl Iterator<Item = &str> {
-        let unmatched = self.patterns.iter().filter(|wanted| !wanted.is_matched);
-        unmatched.map(|wanted| wanted.pattern.as_str())
+        self.patterns.unmatched()
     }
 
     /// Writes the table as CSV: the time in seconds, then the columns in order of first publication.
@@ -170,38 +152,4 @@ fn seconds(at: Time) -> String {
     let nanos = at.nanos();
     let (whole, rest) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
     format!("{whole}.{rest:09}")
-}
-
-/// Matches a name against a pattern in which `*` matches any characters.
-fn matches(pattern: &str, name: &str) -> bool {
-    let Some((begin, rest)) = pattern.split_once('*') else {
-        return pattern == name;
-    };
-    let Some(name) = name.strip_prefix(begin) else {
-        return false;
-    };
-    let ends = name.char_indices().map(|(at, _)| at).chain([name.len()]);
-    ends.into_iter().any(|at| matches(rest, &name[at..]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::matches;
-
-    #[test]
-    fn a_star_is_any_run_of_characters() {
-        for (pattern, fits) in [
-            ("Driver.status", true),
-            ("Driver.*", true),
-            ("*.status", true),
-            ("D*r.s*s", true),
-            ("*", true),
-            ("**", true),
-            ("Driver", false),
-            ("*.statu", false),
-            ("", false),
-        ] {
-            assert_eq!(matches(pattern, "Driver.status"), fits, "{pattern}");
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! Simulated runs of the repository's composites, with seeds, while every component with a protocol is followed.
 
 use crate::support::{CATALOGUE, Files, NoVariables};
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Span, Time, Transition};
 use asmotion_composite::{AsmFiles, Context, NoPrograms};
 use asmotion_datum::Datum;
@@ -55,7 +55,7 @@ impl Scenario {
         let mut workshop = Standard {
             catalogue: &*CATALOGUE,
             loader: files,
-            seed: self.seed,
+            coordinators: CoordinatorOptions::seeded(self.seed),
             builtins: &mut |_, _| None,
         };
         let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");

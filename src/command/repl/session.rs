@@ -3,7 +3,6 @@
 use super::save;
 use super::verb::{VERBS, split};
 use crate::prompt;
-use crate::show;
 use crate::terminal::{FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_lang::ir::{AddedTerm, FunctionId, FunctionKind};
 use asmotion_lang::{History, HistoryEvent, LastWrite, Machine, Report, Value, simulate};
@@ -309,7 +308,7 @@ impl ReplSession {
     }
 
     fn state(&self, name: &str, terminal: &mut TerminalOutput) -> Result<(), Report> {
-        for (location, value) in show::state(self.machine()) {
+        for (location, value) in simulate::state(self.machine()) {
             let function = location.split('(').next().unwrap_or_default();
             if name.is_empty() || name == function {
                 terminal.result(format_args!("  {location} = {value}"));

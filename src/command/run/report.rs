@@ -5,7 +5,7 @@ use asmotion_coordinator::{BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPOR
 use asmotion_runtime::Event;
 use serde_json::json;
 
-use crate::mission::{MissionEnd, MissionOutcome, StalledCoordinator};
+use crate::mission::{MissionEnd, MissionOutcome, RecordingResult, StalledCoordinator};
 use crate::story::{DrivenPath, EventCounts, RobotSummary, Summary};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 
@@ -125,6 +125,7 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "stalled": end.stalled.iter().map(stalled_json).collect::<Vec<_>>(),
         "collisions": summary.collisions,
         "robots": summary.robots.all().map(|robot| robot_json(&robot)).collect::<Vec<_>>(),
+        "recording": end.recording.as_ref().map(recording_json),
     })
 }
 
@@ -261,9 +262,40 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     for stalled in &end.stalled {
         terminal.result(format_args!("  {NOTE}waits{NOTE:#}      {stalled}"));
     }
+    if let Some(recording) = &end.recording {
+        print_recording(recording, terminal);
+    }
     let wall = end.wall.as_secs_f64();
     terminal.progress(format_args!(
         "  {FAINT}{wall:.2} s of wall-clock time: {:.0} times real time{FAINT:#}",
         seconds / wall.max(1e-9)
     ));
+}
+
+fn print_recording(recording: &RecordingResult, terminal: &mut TerminalOutput) {
+    let paths = recording.paths.iter();
+    let paths: Vec<_> = paths.map(|path| path.display().to_string()).collect();
+    let paths = paths.join(", ");
+    let megabytes = recording.bytes as f64 / 1e6;
+    if recording.is_complete() {
+        terminal.result(format_args!("  recording  {paths} ({megabytes:.1} MB)"));
+        return;
+    }
+    let lost = match recording.lost {
+        0 => String::new(),
+        1 => ": 1 message is lost".to_owned(),
+        count => format!(": {count} messages are lost"),
+    };
+    let failure = recording.failure.iter();
+    let failure: String = failure.map(|reason| format!("; {reason}")).collect();
+    terminal.result(format_args!(
+        "  {BAD}recording{BAD:#}  {paths} ({megabytes:.1} MB) is INCOMPLETE{lost}{failure}"
+    ));
+}
+
+fn recording_json(recording: &RecordingResult) -> serde_json::Value {
+    json!({
+        "paths": recording.paths, "bytes": recording.bytes, "complete": recording.is_complete(),
+        "lost": recording.lost, "failure": recording.failure,
+    })
 }

@@ -154,7 +154,7 @@ impl Sim {
     }
 
     fn state(&self, machine: &Machine, terminal: &mut TerminalOutput) {
-        let state = show::state(machine);
+        let state = simulate::state(machine);
         if self.json {
             let state: Map<String, Value> = state
                 .into_iter()

@@ -9,7 +9,7 @@ use asmotion_datum::Schema;
 use asmotion_diagnostics::{FileId, Loader};
 use asmotion_plan::Plan;
 
-use super::Make;
+use super::workshop::{CoordinatorOptions, Make};
 
 /// Loads the specification and creates the component that executes it.
 pub(super) fn make(
@@ -17,23 +17,34 @@ pub(super) fn make(
     file: &str,
     types: &BTreeMap<String, Schema>,
     loader: &dyn Loader,
-    seed: u64,
+    options: CoordinatorOptions,
 ) -> Result<Make, String> {
     let specification = asmotion_lang::open(file, loader).map_err(|failure| failure.to_string())?;
     let binding = component.binding.clone().unwrap_or_default();
     let interfaces = interfaces(component, types);
     Ok(Box::new(move |interface: &mut Interface| {
+        let seed = options.seed;
         let made = Coordinator::new(specification, &binding, &interfaces, seed, interface);
-        let made = made.map_err(|error| error.to_string())?;
+        let mut made = made.map_err(|error| error.to_string())?;
+        if options.records_cycles {
+            made.record_cycles();
+        }
         Ok(Box::new(made) as Box<dyn Component>)
     }))
 }
 
-/// Returns the seed of a coordinator: coordinators choose differently.
-pub(super) fn seed(seed: u64, component: &asmotion_plan::Component, plan: &Plan) -> u64 {
+/// Returns the options of one coordinator, with a seed of its own.
+pub(super) fn options(
+    options: CoordinatorOptions,
+    component: &asmotion_plan::Component,
+    plan: &Plan,
+) -> CoordinatorOptions {
     let mut components = plan.components.iter();
     let position = components.position(|it| it.name == component.name);
-    seed.wrapping_add(position.unwrap_or(0) as u64)
+    CoordinatorOptions {
+        seed: options.seed.wrapping_add(position.unwrap_or(0) as u64),
+        ..options
+    }
 }
 
 /// Returns the texts of a specification and its imports, in the order in which they are loaded; empty if it cannot be

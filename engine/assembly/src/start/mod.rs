@@ -22,7 +22,7 @@ use asmotion_plan::{InputQueue, Part, Plan, Terminal, robot_address};
 pub(crate) use activity::of as activity;
 pub(crate) use coordinator::texts as specification_texts;
 pub(crate) use policy::of as policy;
-pub use workshop::{Make, Standard, Workshop};
+pub use workshop::{CoordinatorOptions, Make, Standard, Workshop};
 
 /// The error type of starting a plan.
 #[derive(Debug, thiserror::Error)]

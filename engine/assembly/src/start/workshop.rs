@@ -28,6 +28,25 @@ pub trait Workshop {
     }
 }
 
+/// Options of the coordinators of a system.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CoordinatorOptions {
+    /// Seed of random choices; the position of each coordinator is added, so that they choose differently.
+    pub seed: u64,
+    /// Reports every cycle, for a recording of the run.
+    pub records_cycles: bool,
+}
+
+impl CoordinatorOptions {
+    /// Returns the default options with this seed.
+    pub fn seeded(seed: u64) -> Self {
+        Self {
+            seed,
+            ..Self::default()
+        }
+    }
+}
+
 /// The default factory: components from the catalogue, specifications run by coordinators, port-proxies, and other
 /// built-ins through a callback.
 pub struct Standard<'a> {
@@ -35,8 +54,8 @@ pub struct Standard<'a> {
     pub catalogue: &'a dyn Catalogue,
     /// Loader of specifications.
     pub loader: &'a dyn Loader,
-    /// Seed of random choices; the position of each coordinator is added, so that they choose differently.
-    pub seed: u64,
+    /// Options of coordinators.
+    pub coordinators: CoordinatorOptions,
     /// Creates the built-in components unknown to this crate; returns `None` if unsupported.
     pub builtins: &'a mut dyn FnMut(&asmotion_plan::Component, &Plan) -> Option<Make>,
 }
@@ -51,8 +70,8 @@ impl Workshop for Standard<'_> {
                     .ok_or(format!("`{name}` is not in this build"))
             }
             Implementation::Asm { file, .. } => {
-                let seed = coordinator::seed(self.seed, component, plan);
-                coordinator::make(component, file, &plan.types, self.loader, seed)
+                let options = coordinator::options(self.coordinators, component, plan);
+                coordinator::make(component, file, &plan.types, self.loader, options)
             }
             Implementation::Builtin { .. } if let Some(settings) = &component.bridge => {
                 let settings = settings.clone();

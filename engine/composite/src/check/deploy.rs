@@ -5,7 +5,6 @@ use crate::codes::c070::PlacedTwice;
 use crate::codes::c071::PlacedNowhere;
 use crate::codes::c072::DuplicateProcess;
 use crate::codes::c073::UnknownRecordedTopic;
-use crate::codes::c076::UnsupportedKey;
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
@@ -86,14 +85,6 @@ fn place<'s>(
 }
 
 fn record(deploy: &Deploy, topics: &Topics, report: &mut Report) {
-    if let Some(record) = &deploy.record {
-        report.found(UnsupportedKey {
-            key: "record",
-            at: record.span,
-            instead: "record ports and topics with `asmotion run --record FILE --ports NAME`"
-                .into(),
-        });
-    }
     let recorded = deploy.record.iter().flat_map(|record| &record.topics);
     for topic in recorded.filter(|topic| !topic.contains('*')) {
         if !topics.contains_key(&topic.value) {

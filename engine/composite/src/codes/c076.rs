@@ -4,8 +4,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Key not supported by this version
 ///
-/// The key is valid, but this version ignores it: `record` of `[deploy]`, `[bridges]` of kinds that this build does not
-/// connect, operations of a ros-bridge that connects topics only, and how to start a program outside (`arguments`, `executable`, `name_service`).
+/// The key is valid, but this version ignores it: `[bridges]` of kinds that this build does not connect, operations of a ros-bridge that connects topics only, and how to start a program outside (`arguments`, `executable`, `name_service`).
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -13,25 +12,20 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// [composite]
 /// name = "example"
 ///
-/// [components.Map]
-/// implementation = { rust = "nav::MapServer" }
-/// services = { maps = "nav/MapService" }
+/// [bridges.old]
+/// kind = "rosbridge"
+/// url = "ws://127.0.0.1:9090"
 ///
-/// [components.User]
-/// implementation = { process = "user" }
-/// references = { maps = "nav/MapService" }
-///
-/// [[wires]]
-/// reference = "User.maps"
-/// service = "Map.maps"
-/// timeout_ms = 1000
-///
-/// [deploy]
-/// processes = [
-///   { name = "robot", components = ["Map"] },
-///   { name = "desk", components = ["User"] },
+/// [components.Bridge]
+/// implementation = { builtin = "ros-bridge", bridge = "old" }
+/// subscribe = { plan = "nav_msgs/Path" }
+/// map = [
+///   { from = "plan", ros = "/trajectory", type = "nav_msgs/Path", direction = "to_ros" },
 /// ]
-/// record = { dir = "runs/" }
+///
+/// [[promote]]
+/// topic = "plan"
+/// as = "plan"
 /// ```
 ///
 /// Corrected:
@@ -42,24 +36,20 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// [composite]
 /// name = "example"
 ///
-/// [components.Map]
-/// implementation = { rust = "nav::MapServer" }
-/// services = { maps = "nav/MapService" }
+/// [bridges.old]
+/// kind = "ros1"
+/// master = "http://127.0.0.1:11311"
 ///
-/// [components.User]
-/// implementation = { process = "user" }
-/// references = { maps = "nav/MapService" }
-///
-/// [[wires]]
-/// reference = "User.maps"
-/// service = "Map.maps"
-/// timeout_ms = 1000
-///
-/// [deploy]
-/// processes = [
-///   { name = "robot", components = ["Map"] },
-///   { name = "desk", components = ["User"] },
+/// [components.Bridge]
+/// implementation = { builtin = "ros-bridge", bridge = "old" }
+/// subscribe = { plan = "nav_msgs/Path" }
+/// map = [
+///   { from = "plan", ros = "/trajectory", type = "nav_msgs/Path", direction = "to_ros" },
 /// ]
+///
+/// [[promote]]
+/// topic = "plan"
+/// as = "plan"
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C076, warning)]

@@ -15,6 +15,14 @@ pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
     serde_json::to_string(&JsonDatum(&Datum::of(value)?)).map_err(malformed)
 }
 
+/// Encodes a datum as JSON on one line.
+///
+/// # Errors
+/// None in practice: all data have a form as JSON.
+pub fn encode_datum(datum: &Datum) -> Result<String, DatumError> {
+    serde_json::to_string(&JsonDatum(datum)).map_err(malformed)
+}
+
 /// Encodes any serde value as indented JSON.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! Orders to a running system: reading and writing ports, describing components, driving the life cycle.
 
-use asmotion_assembly::Standard;
+use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Span, State};
 use asmotion_datum::Datum;
 use asmotion_remote::{LastSamples, Order, OrderKind, OrderOutcome};
@@ -19,7 +19,7 @@ fn driver() -> Driven {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let plan = opened.plan(None).expect("a plan");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use asmotion_assembly::{Assembled, Standard};
+use asmotion_assembly::{Assembled, CoordinatorOptions, Standard};
 use asmotion_bus::LocalBus;
 use asmotion_component::Span;
 use asmotion_plan::Part;
@@ -55,7 +55,7 @@ fn live(bus: &LocalBus, until: &AtomicBool) {
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
-        seed: 1,
+        coordinators: CoordinatorOptions::seeded(1),
         builtins: &mut |_, _| None,
     };
     let part = Part::with_brokers(plan);

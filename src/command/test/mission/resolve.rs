@@ -8,7 +8,7 @@ use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Span, similar};
 use asmotion_lang::ir::ValueShape;
 use asmotion_lang::machine::Machine;
-use asmotion_lang::simulate::AwaitedUpdate;
+use asmotion_lang::simulate::{self, AwaitedUpdate};
 use asmotion_plan::{Component, Implementation, Plan};
 
 use super::condition::{ConditionResult, ObservedValue, Relation};
@@ -17,7 +17,6 @@ use super::operand::{
 };
 use crate::codes::v032::InvalidRunCondition;
 use crate::files::DiskLoader;
-use crate::show;
 
 /// Prefix of topics.
 const TOPIC: &str = "topic:";
@@ -92,7 +91,7 @@ impl<'p> PlanNames<'p> {
         let (component, location) = self.split(name)?;
         let location = location.map(|location| applied(&location));
         let machine = &self.machines[&*component.name];
-        let state = show::state(machine);
+        let state = simulate::state(machine);
         let value = state
             .into_iter()
             .find(|(known, _)| *known == location.value);

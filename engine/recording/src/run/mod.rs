@@ -1,0 +1,26 @@
+//! Runs as MCAP files, which standard readers open.
+//!
+//! ```text
+//! executor ─events→ RunRecorder ─jobs→ queue ─→ writer thread → file
+//!           (observer: JSON, hashes)  bounded    chunks, flushed twice a second
+//! ```
+//!
+//! The recorder is an observer, so it runs in no cycle: in a live run its thread is the one that owns the run. It never waits
+//! there; what does not fit into the queue is counted. In simulated time it waits instead, because no clock runs meanwhile.
+
+mod chain;
+mod channels;
+mod event_record;
+mod file;
+mod options;
+mod queue;
+mod reader;
+mod recorder;
+mod schemas;
+mod writer;
+
+pub use chain::{StepChain, StepHashes};
+pub use options::{Overflow, RecorderOptions, RecordingFile};
+pub use reader::{ChainedCycle, CoordinatorEnd, RecordingItem, RunReader};
+pub use recorder::RunRecorder;
+pub use writer::{RecordingEnd, RecordingFailure};

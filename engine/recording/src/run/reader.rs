@@ -1,0 +1,302 @@
+//! Reads the recording of a run, one item after the other: a long run has more steps than memory.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use asmotion_component::Time;
+use asmotion_coordinator::RecordedCycle;
+use mcap::records::{Channel, MessageHeader, Metadata, Record};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::chain::{StepHashes, is_intact};
+use super::writer::{END_FACTS, RUN_FACTS};
+use crate::read::RecordingError;
+
+/// Limit for the size of a record, against files that are none.
+const MAX_RECORD: usize = 1 << 30;
+
+/// The beginning of the name of a channel with steps, and its end.
+const STEPS: (&str, &str) = ("asm/", "/step");
+
+/// An item of a recording, in the order of the file.
+#[derive(Debug)]
+pub enum RecordingItem {
+    /// An attached text.
+    Text {
+        /// Name of the attachment.
+        name: String,
+        /// The text.
+        text: String,
+    },
+    /// A step of a coordinator.
+    Step {
+        /// Name of the component.
+        component: String,
+        /// The step.
+        step: Box<ChainedCycle>,
+    },
+    /// A message of another channel.
+    Message {
+        /// Name of the channel.
+        channel: String,
+        /// Time of the message in the run.
+        at: Time,
+        /// The message as JSON.
+        data: Vec<u8>,
+    },
+    /// The end of the recording, by coordinator.
+    End(BTreeMap<String, CoordinatorEnd>),
+    /// The reason that the recording ends before its run. Nothing follows.
+    Cut(String),
+}
+
+/// The end of a coordinator in a recording.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CoordinatorEnd {
+    /// Number of steps that are lost.
+    pub lost: u64,
+    /// Hash of the last record of the run.
+    pub last_hash: String,
+}
+
+/// A recorded step and its hashes.
+#[derive(Debug)]
+pub struct ChainedCycle {
+    /// The step.
+    pub cycle: RecordedCycle,
+    /// Its hashes, as recorded.
+    pub hashes: StepHashes,
+    /// The hash is that of the record.
+    pub is_intact: bool,
+}
+
+/// Reads a file of a recording.
+pub struct RunReader {
+    file: File,
+    reader: LinearReader,
+    /// Facts about the run, as written at its start.
+    facts: BTreeMap<String, String>,
+    channels: BTreeMap<u16, KnownChannel>,
+    waiting: VecDeque<RecordingItem>,
+    has_end: bool,
+    is_done: bool,
+    epoch_ns: u64,
+}
+
+/// A channel of the file.
+enum KnownChannel {
+    /// The steps of a component.
+    Steps(String),
+    Other(String),
+}
+
+/// The next thing that the file contains.
+enum Next {
+    Item(RecordingItem),
+    Nothing,
+    End,
+}
+
+impl RunReader {
+    /// Opens the recording of a run.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or is no recording of a run.
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::open(path).map_err(|error| RecordingError::Unreadable {
+            reason: error.to_string(),
+        })?;
+        let options = LinearReaderOptions::default()
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(MAX_RECORD);
+        let mut reader = Self {
+            file,
+            reader: LinearReader::new_with_options(options),
+            facts: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            waiting: VecDeque::new(),
+            has_end: false,
+            is_done: false,
+            epoch_ns: 0,
+        };
+        while reader.facts.is_empty() {
+            match reader.advance() {
+                Next::Item(RecordingItem::Cut(reason)) => {
+                    return Err(RecordingError::Format { reason });
+                }
+                Next::Item(item) => reader.waiting.push_back(item),
+                Next::Nothing => {}
+                Next::End => {
+                    let reason = "it has no facts about a run".to_owned();
+                    return Err(RecordingError::Format { reason });
+                }
+            }
+        }
+        let epoch = reader.facts.get("epoch_ns").and_then(|it| it.parse().ok());
+        reader.epoch_ns = epoch.unwrap_or_default();
+        Ok(reader)
+    }
+
+    /// Facts about the run.
+    pub fn facts(&self) -> &BTreeMap<String, String> {
+        &self.facts
+    }
+
+    /// Number of the file among those of its run, from 1.
+    pub fn part(&self) -> u32 {
+        let part = self.facts.get("part").and_then(|part| part.parse().ok());
+        part.unwrap_or(1)
+    }
+
+    /// Reads up to the next record that is worth a look.
+    fn advance(&mut self) -> Next {
+        let event = match self.reader.next_event() {
+            None if self.has_end => return Next::End,
+            None => return self.cut("it has no end".to_owned()),
+            Some(Err(error)) => {
+                let reason = error.to_string();
+                return self.cut(reason);
+            }
+            Some(Ok(event)) => event,
+        };
+        match event {
+            LinearReadEvent::ReadRequest(need) => match self.file.read(self.reader.insert(need)) {
+                Ok(read) => {
+                    self.reader.notify_read(read);
+                    Next::Nothing
+                }
+                Err(error) => self.cut(error.to_string()),
+            },
+            LinearReadEvent::Record { opcode, data } => match mcap::parse_record(opcode, data) {
+                Ok(record) => {
+                    let record = record.into_owned();
+                    self.record(record)
+                }
+                Err(error) => {
+                    let reason = error.to_string();
+                    self.cut(reason)
+                }
+            },
+        }
+    }
+
+    fn cut(&mut self, reason: String) -> Next {
+        self.is_done = true;
+        Next::Item(RecordingItem::Cut(reason))
+    }
+
+    fn record(&mut self, record: Record<'_>) -> Next {
+        match record {
+            Record::Channel(channel) => {
+                self.channels.insert(channel.id, known_channel(&channel));
+                Next::Nothing
+            }
+            Record::Attachment { header, data, .. } => Next::Item(RecordingItem::Text {
+                name: header.name,
+                text: String::from_utf8_lossy(&data).into_owned(),
+            }),
+            Record::Metadata(metadata) => self.metadata(metadata),
+            Record::Message { header, data } => self.message(&header, data.into_owned()),
+            Record::Header(_)
+            | Record::Footer(_)
+            | Record::Schema { .. }
+            | Record::Chunk { .. }
+            | Record::MessageIndex(_)
+            | Record::ChunkIndex(_)
+            | Record::AttachmentIndex(_)
+            | Record::Statistics(_)
+            | Record::MetadataIndex(_)
+            | Record::SummaryOffset(_)
+            | Record::DataEnd(_)
+            | Record::Unknown { .. } => Next::Nothing,
+        }
+    }
+
+    fn message(&mut self, header: &MessageHeader, data: Vec<u8>) -> Next {
+        match self.channels.get(&header.channel_id) {
+            None => Next::Nothing,
+            Some(KnownChannel::Other(channel)) => {
+                let nanos = header.log_time.saturating_sub(self.epoch_ns);
+                Next::Item(RecordingItem::Message {
+                    channel: channel.clone(),
+                    at: Time::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX)),
+                    data,
+                })
+            }
+            Some(KnownChannel::Steps(component)) => match chained_cycle(&data) {
+                Some(step) => Next::Item(RecordingItem::Step {
+                    component: component.clone(),
+                    step: Box::new(step),
+                }),
+                None => {
+                    let record = header.sequence;
+                    let reason = format!("record {record} of `{component}` is no step");
+                    self.cut(reason)
+                }
+            },
+        }
+    }
+
+    fn metadata(&mut self, metadata: Metadata) -> Next {
+        if metadata.name == RUN_FACTS {
+            self.facts = metadata.metadata;
+            return Next::Nothing;
+        }
+        if metadata.name != END_FACTS {
+            return Next::Nothing;
+        }
+        self.has_end = true;
+        let mut ends: BTreeMap<String, CoordinatorEnd> = BTreeMap::new();
+        for (name, value) in metadata.metadata {
+            let Some((component, fact)) = name.rsplit_once('.') else {
+                continue;
+            };
+            let end = ends.entry(component.to_owned()).or_default();
+            match fact {
+                "lost" => end.lost = value.parse().unwrap_or(u64::MAX),
+                "last_hash" => end.last_hash = value,
+                _ => {}
+            }
+        }
+        Next::Item(RecordingItem::End(ends))
+    }
+}
+
+/// The items after the facts about the run.
+impl Iterator for RunReader {
+    type Item = RecordingItem;
+
+    fn next(&mut self) -> Option<RecordingItem> {
+        if let Some(item) = self.waiting.pop_front() {
+            return Some(item);
+        }
+        while !self.is_done {
+            match self.advance() {
+                Next::Item(item) => return Some(item),
+                Next::Nothing => {}
+                Next::End => self.is_done = true,
+            }
+        }
+        None
+    }
+}
+
+fn known_channel(channel: &Channel) -> KnownChannel {
+    let component = channel.topic.strip_prefix(STEPS.0);
+    match component.and_then(|rest| rest.strip_suffix(STEPS.1)) {
+        Some(component) => KnownChannel::Steps(component.to_owned()),
+        None => KnownChannel::Other(channel.topic.clone()),
+    }
+}
+
+fn chained_cycle(data: &[u8]) -> Option<ChainedCycle> {
+    let text = std::str::from_utf8(data).ok()?;
+    Some(ChainedCycle {
+        cycle: serde_json::from_str(text).ok()?,
+        hashes: serde_json::from_str(text).ok()?,
+        is_intact: is_intact(text),
+    })
+}

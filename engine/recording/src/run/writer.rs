@@ -1,0 +1,387 @@
+//! The thread that writes a recording.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{Attachment, McapError, WriteOptions, Writer};
+
+use super::chain::text_hash;
+use super::file::ChunkFile;
+use super::options::{RecorderOptions, RecordingFile};
+use super::queue::{ChannelAbout, JobQueue, WriterJob};
+
+/// Interval at which the writer looks for messages.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Longest time for which a message stays out of the file.
+const FLUSH: Duration = Duration::from_millis(500);
+
+/// Size of a chunk, in bytes of messages.
+const CHUNK: u64 = 1 << 20;
+
+/// Name of the metadata record with the facts about the run.
+pub(super) const RUN_FACTS: &str = "asmotion.run";
+
+/// Name of the metadata record at the end of a recording. A file without it was cut.
+pub(super) const END_FACTS: &str = "asmotion.end";
+
+/// Media type of attached texts.
+const TEXT: &str = "text/plain; charset=utf-8";
+
+/// The reason that a recording cannot begin or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingFailure {
+    /// The file cannot be created.
+    #[error("cannot create `{path}`: {reason}")]
+    Create {
+        /// Path of the file.
+        path: String,
+        /// Error of the operating system.
+        reason: std::io::Error,
+    },
+    /// The file cannot be written.
+    #[error("cannot write `{path}`: {reason}")]
+    Write {
+        /// Path of the file.
+        path: String,
+        /// Error of the format or of the operating system.
+        reason: McapError,
+    },
+    /// The thread that writes cannot be started, or has ended.
+    #[error("the thread that writes the recording has failed")]
+    Thread,
+}
+
+/// The end of a recording.
+#[derive(Debug, Default)]
+pub struct RecordingEnd {
+    /// The files, in order; several if the recording was divided.
+    pub paths: Vec<PathBuf>,
+    /// Number of bytes in all files.
+    pub bytes: u64,
+    /// Number of messages in all files.
+    pub messages: u64,
+    /// Number of messages that are not in the files.
+    pub lost: u64,
+    /// The error that ended the recording before the run.
+    pub failure: Option<RecordingFailure>,
+}
+
+impl RecordingEnd {
+    /// Returns whether every message of the run is in the files.
+    pub fn is_complete(&self) -> bool {
+        self.lost == 0 && self.failure.is_none()
+    }
+}
+
+/// The open file of a recording.
+struct OpenFile {
+    path: PathBuf,
+    writer: Writer<NoSeek<ChunkFile>>,
+    /// Number of each channel in this file.
+    channels: BTreeMap<u32, u16>,
+    /// Hashes of the attached texts.
+    attached: BTreeSet<String>,
+    /// Bytes of messages and texts, for the size at which the next file begins.
+    size: u64,
+    /// The same at the last flush.
+    flushed_size: u64,
+    /// Number of messages since the last flush.
+    unflushed: u64,
+}
+
+/// Writes jobs to a file, and to a further one when it has reached its size.
+pub(super) struct RecordingWriter {
+    queue: Arc<JobQueue>,
+    options: RecorderOptions,
+    file: RecordingFile,
+    open: Option<OpenFile>,
+    /// Number of the open file, from 1.
+    part: u32,
+    channels: BTreeMap<u32, ChannelAbout>,
+    texts: Vec<(String, String)>,
+    end: RecordingEnd,
+}
+
+impl RecordingWriter {
+    /// Creates the file.
+    pub fn new(
+        queue: Arc<JobQueue>,
+        options: RecorderOptions,
+        file: RecordingFile,
+    ) -> Result<Self, RecordingFailure> {
+        let texts = options.texts.clone().into_iter().collect();
+        let mut writer = Self {
+            queue,
+            options,
+            file,
+            open: None,
+            part: 1,
+            channels: BTreeMap::new(),
+            texts,
+            end: RecordingEnd::default(),
+        };
+        let file = writer.file.clone();
+        writer.begin_file(&file)?;
+        Ok(writer)
+    }
+
+    /// Path of the open file.
+    pub fn path(&self) -> Option<PathBuf> {
+        self.open.as_ref().map(|open| open.path.clone())
+    }
+
+    /// Writes until the queue is closed. `end_facts` gives the facts about the end of the run.
+    pub fn run(mut self, end_facts: &dyn Fn() -> BTreeMap<String, String>) -> RecordingEnd {
+        let mut flushed = Instant::now();
+        loop {
+            let taken = self.queue.take(LOOK);
+            let mut done = taken.jobs.into_iter().try_for_each(|job| self.write(job));
+            if flushed.elapsed() >= FLUSH || taken.is_last {
+                done = done.and_then(|()| self.flush());
+                flushed = Instant::now();
+            }
+            if let Err(failure) = done {
+                self.queue.abandon();
+                let unflushed = self.open.as_ref().map_or(0, |open| open.unflushed);
+                self.end.messages -= unflushed;
+                // what was flushed before stays
+                let _ = self.finish_file(&BTreeMap::new());
+                self.end.failure = Some(failure);
+                return self.end;
+            }
+            if taken.is_last {
+                break;
+            }
+        }
+        if let Err(failure) = self.finish_file(&end_facts()) {
+            self.end.failure = Some(failure);
+        }
+        self.end
+    }
+
+    fn write(&mut self, job: WriterJob) -> Result<(), RecordingFailure> {
+        match job {
+            WriterJob::Message {
+                channel,
+                at_ns,
+                sequence,
+                data,
+            } => self.message(channel, at_ns, sequence, &data),
+            WriterJob::Channel { channel, about } => {
+                self.channels.insert(channel, about);
+                Ok(())
+            }
+            WriterJob::Attachment { name, text } => {
+                let epoch_ns = self.options.epoch_ns;
+                let attached = self.on_file(|open| open.attach(&name, &text, epoch_ns));
+                self.texts.push((name, text));
+                attached
+            }
+        }
+    }
+
+    fn message(
+        &mut self,
+        channel: u32,
+        at_ns: u64,
+        sequence: u32,
+        data: &[u8],
+    ) -> Result<(), RecordingFailure> {
+        let about = self.channels.get(&channel).cloned();
+        let log_time = self.options.epoch_ns.saturating_add(at_ns);
+        self.on_file(|open| {
+            let channel_id = open.channel(channel, about)?;
+            let header = MessageHeader {
+                channel_id,
+                sequence,
+                log_time,
+                publish_time: log_time,
+            };
+            open.size += data.len() as u64;
+            open.unflushed += 1;
+            open.writer.write_to_known_channel(&header, data)
+        })?;
+        self.end.messages += 1;
+        let Some(open) = &self.open else {
+            return Ok(());
+        };
+        if self
+            .options
+            .rotate_bytes
+            .is_some_and(|limit| open.size >= limit)
+        {
+            return self.next_file();
+        }
+        if open.size - open.flushed_size >= CHUNK {
+            return self.flush();
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<(), RecordingFailure> {
+        let is_dirty = |open: &OpenFile| open.size != open.flushed_size || open.unflushed > 0;
+        if self.open.as_ref().is_some_and(is_dirty) {
+            return self.on_file(OpenFile::flush);
+        }
+        Ok(())
+    }
+
+    fn on_file(
+        &mut self,
+        work: impl FnOnce(&mut OpenFile) -> Result<(), McapError>,
+    ) -> Result<(), RecordingFailure> {
+        let Some(open) = &mut self.open else {
+            return Err(RecordingFailure::Thread);
+        };
+        work(open).map_err(|reason| RecordingFailure::Write {
+            path: open.path.display().to_string(),
+            reason,
+        })
+    }
+
+    /// Ends the open file and begins the next one.
+    fn next_file(&mut self) -> Result<(), RecordingFailure> {
+        self.part += 1;
+        let next = self.file.part(self.part);
+        let facts = BTreeMap::from([("continues".to_owned(), (self.part).to_string())]);
+        self.finish_file(&facts)?;
+        self.begin_file(&next)
+    }
+
+    fn begin_file(&mut self, file: &RecordingFile) -> Result<(), RecordingFailure> {
+        let created = file.create();
+        let (path, file) = created.map_err(|reason| RecordingFailure::Create {
+            path: file.name(),
+            reason,
+        })?;
+        let mut facts = self.options.facts.clone();
+        facts.insert("part".to_owned(), self.part.to_string());
+        facts.insert("epoch_ns".to_owned(), self.options.epoch_ns.to_string());
+        let opened = OpenFile::new(
+            path.clone(),
+            file,
+            facts,
+            &self.texts,
+            self.options.epoch_ns,
+        );
+        let opened = opened.map_err(|reason| RecordingFailure::Write {
+            path: path.display().to_string(),
+            reason,
+        })?;
+        self.end.paths.push(path);
+        self.open = Some(opened);
+        Ok(())
+    }
+
+    fn finish_file(&mut self, facts: &BTreeMap<String, String>) -> Result<(), RecordingFailure> {
+        let Some(open) = self.open.take() else {
+            return Ok(());
+        };
+        let path = open.path.display().to_string();
+        let (bytes, finished) = open.finish(facts);
+        self.end.bytes += bytes;
+        finished.map_err(|reason| RecordingFailure::Write { path, reason })
+    }
+}
+
+impl OpenFile {
+    fn new(
+        path: PathBuf,
+        file: std::fs::File,
+        facts: BTreeMap<String, String>,
+        texts: &[(String, String)],
+        epoch_ns: u64,
+    ) -> Result<Self, McapError> {
+        let options = WriteOptions::new()
+            .compression(None)
+            // the writer ends chunks itself, with a flush
+            .chunk_size(None)
+            .disable_seeking(true)
+            .library(concat!("asmotion ", env!("CARGO_PKG_VERSION")));
+        let mut open = Self {
+            path,
+            writer: options.create(NoSeek::new(ChunkFile::new(file)))?,
+            channels: BTreeMap::new(),
+            attached: BTreeSet::new(),
+            size: 0,
+            flushed_size: 0,
+            unflushed: 0,
+        };
+        open.writer.write_metadata(&Metadata {
+            name: RUN_FACTS.to_owned(),
+            metadata: facts,
+        })?;
+        for (name, text) in texts {
+            open.attach(name, text, epoch_ns)?;
+        }
+        open.flush()?;
+        Ok(open)
+    }
+
+    /// Attaches a text, unless the file has it.
+    fn attach(&mut self, name: &str, text: &str, epoch_ns: u64) -> Result<(), McapError> {
+        if !self.attached.insert(format!("{name} {}", text_hash(text))) {
+            return Ok(());
+        }
+        self.size += text.len() as u64;
+        self.writer.attach(&Attachment {
+            log_time: epoch_ns,
+            create_time: epoch_ns,
+            name: name.to_owned(),
+            media_type: TEXT.to_owned(),
+            data: text.as_bytes().into(),
+        })
+    }
+
+    /// The number of a channel in this file; it is described before its first message.
+    fn channel(&mut self, channel: u32, about: Option<ChannelAbout>) -> Result<u16, McapError> {
+        if let Some(known) = self.channels.get(&channel) {
+            return Ok(*known);
+        }
+        let Some(ChannelAbout {
+            topic,
+            schema: (name, schema),
+            facts,
+        }) = about
+        else {
+            // the recorder describes every channel before its messages
+            return Err(McapError::UnknownChannel(0, 0));
+        };
+        let schema = self
+            .writer
+            .add_schema(&name, "jsonschema", schema.as_bytes())?;
+        let facts = facts.into_iter();
+        let facts = facts
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect();
+        let id = self.writer.add_channel(schema, &topic, "json", &facts)?;
+        self.channels.insert(channel, id);
+        Ok(id)
+    }
+
+    /// Finishes the chunk. The file is readable up to here, whatever happens to the process.
+    fn flush(&mut self) -> Result<(), McapError> {
+        self.writer.flush()?;
+        self.flushed_size = self.size;
+        self.unflushed = 0;
+        Ok(())
+    }
+
+    /// Ends the file. Returns its size in bytes.
+    fn finish(mut self, facts: &BTreeMap<String, String>) -> (u64, Result<(), McapError>) {
+        let written = self.writer.write_metadata(&Metadata {
+            name: END_FACTS.to_owned(),
+            metadata: facts.clone(),
+        });
+        let finished = written.and_then(|()| self.writer.finish().map(|_| ()));
+        let mut file = self.writer.into_inner().into_inner();
+        let flushed = file.flush().map_err(McapError::from);
+        (file.flushed(), finished.and(flushed))
+    }
+}
