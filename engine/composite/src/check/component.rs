@@ -6,8 +6,6 @@ use crate::codes::c023::DuplicateId;
 use crate::codes::c024::UnknownImplementation;
 use crate::codes::c025::ImplementationNotInBuild;
 use crate::codes::c028::UnknownProperty;
-use crate::codes::c035::MasterCycle;
-use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
 use crate::codes::c128::NothingToVerify;
 use crate::codes::c153::ProgramWithoutDeclaration;
@@ -24,11 +22,10 @@ use super::declared::declared;
 use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
 use super::operations::operations;
 use super::scene::{CheckedComponent, CheckedComposite};
+use super::schedule;
 use crate::at::At;
 use crate::finding::Findings;
-use crate::model::{
-    BuiltinComponent, Component, Implementation, Listed, OnException, Setting, Wanted,
-};
+use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use crate::programs::{command_of, robot_component};
 use crate::signature::Signature;
@@ -48,8 +45,7 @@ pub(crate) fn parts<'s>(
             continue;
         }
         id(component, &mut ids, report);
-        pace(scene, component, report);
-        resets(component, report);
+        schedule::check(scene, component, report);
         verify(scene, component, report);
         let face = face(scene, component, nested, report);
         safe(scene, component, &face, report);
@@ -88,47 +84,6 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
             id: id.value.clone(),
             at: id.span,
             first,
-        });
-    }
-}
-
-/// Checks the schedule of a component: the names it refers to, and keys without effect.
-fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
-    let Some(pace) = component.pace() else {
-        return;
-    };
-    scene.broker(None, pace.broker.as_ref(), report);
-    if let (Some(on_deadline), None) = (&pace.on_deadline, &pace.deadline_ms) {
-        report.found(IdleKey {
-            key: "on_deadline",
-            at: on_deadline.span,
-            reason: "no cycle is late without `deadline_ms`",
-        });
-    }
-    if let Some(master) = &pace.master {
-        if scene.composite.component(master).is_none() {
-            scene.unknown_component(master, report);
-        } else if masters(scene, &component.name.value).any(|one| one == component.name.value) {
-            report.found(MasterCycle {
-                component: component.name.value.clone(),
-                at: master.span,
-            });
-        }
-    }
-}
-
-/// Reports a limit of resets where there are none.
-fn resets(component: &Component, report: &mut Report) {
-    let Some(lifecycle) = &component.lifecycle else {
-        return;
-    };
-    let on_exception = lifecycle.on_exception.as_ref();
-    let resets = on_exception.is_some_and(|it| it.value == OnException::Reset);
-    if let (Some(max_resets), false) = (&lifecycle.max_resets, resets) {
-        report.found(IdleKey {
-            key: "max_resets",
-            at: max_resets.span,
-            reason: "a component that fails is reset only with `on_exception = \"reset\"`",
         });
     }
 }
@@ -188,20 +143,6 @@ fn safe(
             }
         }
     }
-}
-
-/// Iterates over the master of a component, the master of that master and so on; stops at the first repetition.
-pub(crate) fn masters<'s>(
-    scene: &CheckedComposite<'s>,
-    name: &'s str,
-) -> impl Iterator<Item = &'s str> {
-    let master = |name: &&str| {
-        let component = scene.composite.component(name)?;
-        let master = component.pace()?.master.as_ref()?;
-        Some(master.value.as_str())
-    };
-    let most = scene.composite.components.len();
-    std::iter::successors(master(&name), master).take(most)
 }
 
 fn face(

@@ -392,9 +392,7 @@ fn threads(
 
 /// Returns the component in whose thread the component runs.
 fn thread<'s>(scene: &CheckedComposite<'s>, name: &'s str) -> &'s str {
-    super::component::masters(scene, name)
-        .last()
-        .unwrap_or(name)
+    super::schedule::masters(scene, name).last().unwrap_or(name)
 }
 
 /// Reports policy keys that have no effect in combination.

@@ -31,6 +31,7 @@ mod ros_loop;
 mod ros_operation;
 mod ros_words;
 mod scene;
+mod schedule;
 mod topic;
 mod wire;
 

@@ -4,6 +4,7 @@ use crate::codes::c030::WireMismatch;
 use crate::codes::c031::DanglingReference;
 use crate::codes::c032::{ReferenceWiredTwice, WIRED_TWICE};
 use crate::codes::c033::NoTimeout;
+use crate::codes::c048::IdleKey;
 use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
@@ -129,6 +130,7 @@ fn wire<'w>(
         }
     }
     external::check(wire, report);
+    idle_keys(wire, report);
     if !answered && !wire.services.is_empty() {
         return;
     }
@@ -156,6 +158,30 @@ fn wire<'w>(
             default_ms: DEFAULT_TIMEOUT_MS,
             at,
         });
+    }
+}
+
+/// Reports keys of retries and cancellations where there are none.
+fn idle_keys(wire: &Wire, report: &mut Report) {
+    let mut idle = |key, at, reason| report.found(IdleKey { key, at, reason });
+    let retry = wire.retry.as_ref();
+    let attempts = retry.and_then(|it| it.attempts.as_ref());
+    let attempts = attempts.filter(|it| it.value > 0);
+    let backoff = retry.and_then(|it| it.backoff_ms.as_ref());
+    if let (Some(backoff), None) = (backoff, attempts) {
+        let reason = "no call is repeated without `attempts`";
+        idle("backoff_ms", backoff.span, reason);
+    }
+    if waits(wire) {
+        return;
+    }
+    if let Some(attempts) = attempts {
+        let reason = "a call without a reply does not fail, and is not repeated";
+        idle("attempts", attempts.span, reason);
+    }
+    if let Some(cancel) = &wire.cancel {
+        let reason = "a call without a reply does not time out";
+        idle("cancel", cancel.span, reason);
     }
 }
 
