@@ -513,3 +513,65 @@ fn c18_a_timer_is_removed_and_added_while_a_call_is_under_way() {
     assert!(!out.contains("timer"), "{out}");
     drop(running);
 }
+
+/// A component that one profile has.
+const IN_FIELD: &str = r#"
+[components.Second]
+implementation = { asm = "replier.asm" }
+profile = "field"
+task = { period_ms = 80000000 }
+services = { adding = "test/Adds" }
+"#;
+
+#[test]
+fn c18_a_version_without_the_running_profile_is_refused_with_its_name_and_the_way_out() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("asker.asm", ASKER), ("replier.asm", REPLIER)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let composite = folder.path().join("asked.composite.toml");
+    let path = composite.to_str().unwrap();
+    let in_field = format!("{ASKED}{IN_FIELD}");
+    let in_lab = in_field.replace("\"field\"", "\"lab\"");
+    let running = |text: &str, arguments: &[&str]| {
+        std::fs::write(&composite, text).unwrap();
+        let mut command = through(run_any(&composite), &broker, &vhost, None);
+        let running = Running::start(command.args(arguments));
+        crate::processes::queues(&vhost, "robots.services.asked.control.asked");
+        running
+    };
+    let refused = |text: &str, reason: &str| {
+        std::fs::write(&composite, text).unwrap();
+        let (code, _, err) = tool(&broker, &url, &["reconfigure", path]);
+        assert_eq!(code, Some(1), "{err}");
+        assert!(err.contains(reason), "{reason}: {err}");
+        assert!(err.contains("runs unchanged"), "{err}");
+    };
+
+    let with_profile = running(&in_field, &["--profile", "field"]);
+    refused(
+        ASKED,
+        "BAD_COMPOSITE: this process runs profile `field`, which `asked.composite.toml` does not have (it has \
+         none): keep an element with `profile = \"field\"`, or restart the process without `--profile`",
+    );
+    refused(
+        &in_lab,
+        "does not have (it has `lab`): keep an element with `profile = \"field\"`, or restart the process with \
+         another one",
+    );
+    drop(with_profile.interrupt());
+
+    let without = running(ASKED, &[]);
+    refused(
+        &in_field,
+        "this process runs without a profile, but `asked.composite.toml` has the profiles `field`: remove \
+         `profile` from its elements, or restart the process with one of them (`--profile`)",
+    );
+    drop(without);
+}

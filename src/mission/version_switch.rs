@@ -135,7 +135,11 @@ impl<'m> VersionSwitch<'m> {
             return Err(refusal("BAD_COMPOSITE", findings));
         }
         match opened.plan(self.mission.profile.as_deref()) {
-            None => Err(refusal("BAD_COMPOSITE", "profile not found")),
+            None => {
+                let profile = self.mission.profile.as_deref();
+                let detail = other_profiles(profile, &version.composite, &opened.profiles);
+                Err(refusal("BAD_COMPOSITE", detail))
+            }
             Some(plan) if !plan.missing.is_empty() => {
                 let missing = plan.missing.join(", ");
                 let detail = format!("environment variables not set: {missing}");
@@ -184,6 +188,26 @@ fn version_of(
     let catalogue = mission.build.shared_catalogue();
     let options = mission.coordinator_options(plan);
     Version::new(plan.clone(), part, catalogue, loader, options)
+}
+
+/// Why a composite with these profiles is not a version of what runs, and what to do.
+fn other_profiles(running: Option<&str>, composite: &str, available: &[String]) -> String {
+    let listed = available.join("`, `");
+    let Some(running) = running else {
+        return format!(
+            "this process runs without a profile, but `{composite}` has the profiles `{listed}`: remove `profile` \
+             from its elements, or restart the process with one of them (`--profile`)"
+        );
+    };
+    let (known, restart) = if available.is_empty() {
+        ("it has none".to_owned(), "without `--profile`")
+    } else {
+        (format!("it has `{listed}`"), "with another one")
+    };
+    format!(
+        "this process runs profile `{running}`, which `{composite}` does not have ({known}): keep an element with \
+         `profile = \"{running}\"`, or restart the process {restart}"
+    )
 }
 
 fn refusal(code: &str, detail: impl ToString) -> Refusal {
