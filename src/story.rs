@@ -18,7 +18,7 @@ pub use summary::{EventCounts, Summary};
 
 use std::collections::BTreeMap;
 
-use asmotion_component::{CallError, LOG_REPORT, Losses, NOTICE_REPORT, Time};
+use asmotion_component::{CallError, CallId, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
     BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT,
 };
@@ -44,6 +44,9 @@ pub struct Story {
     summary: Summary,
     /// Names of components in logs, where they differ from those in the composite.
     ids: BTreeMap<String, String>,
+    /// The newest call of each component that the summary counts. Numbers of calls ascend, so that an older one is a call that
+    /// goes to another binding of its reference, or that is made again.
+    last_calls: BTreeMap<String, CallId>,
 }
 
 /// An entry of the story.
@@ -145,12 +148,20 @@ impl Story {
                 )
             }
             Event::Called {
+                component,
                 reference,
                 operation,
+                call,
                 attempt,
                 argument,
-                ..
-            } => Some(self.call_entry(reference, operation, *attempt, *argument)),
+            } => {
+                if self.is_new_call(component, *call) {
+                    self.summary
+                        .calls
+                        .count(&format!("{reference}.{operation}"));
+                }
+                Some(call_entry(reference, operation, *attempt, *argument))
+            }
             Event::Replied {
                 reference,
                 operation,
@@ -260,6 +271,8 @@ impl Story {
                 Some(warning_entry(NOTE, "replaced", what))
             }
             ADDITION_REPORT => {
+                // the calls of a component that was removed and added again are numbered anew
+                self.last_calls.remove(component);
                 let what = format!("{component}: {}", what.as_text().unwrap_or_default());
                 Some(warning_entry(NOTE, "added", what))
             }
@@ -295,23 +308,19 @@ impl Story {
         ))
     }
 
-    fn call_entry(
-        &mut self,
-        reference: &str,
-        operation: &str,
-        attempt: u32,
-        argument: &dyn Sample,
-    ) -> StoryEntry {
-        let name = format!("{reference}.{operation}");
-        self.summary.calls.count(&name);
-        let mut what = name;
-        if let Some(argument) = message::brief(argument) {
-            what += &format!(" {argument}");
+    /// Returns whether a call has not been reported before: it is reported for each binding and each attempt.
+    fn is_new_call(&mut self, component: &str, call: CallId) -> bool {
+        match self.last_calls.get_mut(component) {
+            Some(last) if call <= *last => false,
+            Some(last) => {
+                *last = call;
+                true
+            }
+            None => {
+                self.last_calls.insert(component.to_owned(), call);
+                true
+            }
         }
-        if attempt > 1 {
-            what += &format!(" (attempt {attempt})");
-        }
-        StoryEntry::repeatable(format!("{NAME}call{NAME:#}  {what}"), what)
     }
 
     fn reply_entry(
@@ -333,6 +342,17 @@ impl Story {
             }
         }
     }
+}
+
+fn call_entry(reference: &str, operation: &str, attempt: u32, argument: &dyn Sample) -> StoryEntry {
+    let mut what = format!("{reference}.{operation}");
+    if let Some(argument) = message::brief(argument) {
+        what += &format!(" {argument}");
+    }
+    if attempt > 1 {
+        what += &format!(" (attempt {attempt})");
+    }
+    StoryEntry::repeatable(format!("{NAME}call{NAME:#}  {what}"), what)
 }
 
 /// The names of the plan's components outside the composite, where they differ.

@@ -1,6 +1,7 @@
 //! Services over HTTP: promoted operations are called by clients without access to the bus.
 
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::io::{BufRead, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -777,6 +778,29 @@ fn c4_a_reference_with_several_bindings_calls_the_first_service_that_is_availabl
         std::fs::write(&street, format!("{head}{text}")).unwrap();
         let output = courier(&street, &url, token, &["--clock", "wall"]);
         assert_eq!(output.status.code(), Some(status), "{runs} {output:?}");
+
+        // a call counts once, although it is made at both services
+        let (summary, attempts) = summary_and_calls(&output);
+        let calls: BTreeSet<_> = attempts.iter().collect();
+        let is_repeated = attempts.len() > calls.len();
+        assert_eq!(is_repeated, runs == "false", "{runs}: {output:?}");
+        let counted = summary["calls"].as_array().unwrap().iter();
+        let counted: u64 = counted.map(|it| it["count"].as_u64().unwrap()).sum();
+        let possible = 1..=u64::try_from(calls.len()).unwrap();
+        assert!(possible.contains(&counted), "{runs}: {summary} {calls:?}");
     }
     drop(dispatcher.interrupt());
+}
+
+/// The summary of a run, and the numbers of the calls until its end, once for each service that is tried.
+fn summary_and_calls(output: &std::process::Output) -> (Value, Vec<u64>) {
+    let text = String::from_utf8_lossy(&output.stdout);
+    let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
+    let lines: Vec<Value> = lines.collect();
+    let summary = lines.last().unwrap().clone();
+    let end = summary["time_s"].as_f64().unwrap();
+    let calls = lines.iter().filter(|line| line["type"] == "call");
+    let calls = calls.filter(|line| line["t"].as_f64().unwrap() <= end);
+    let calls = calls.map(|line| line["call"].as_u64().unwrap()).collect();
+    (summary, calls)
 }

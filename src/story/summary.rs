@@ -20,7 +20,7 @@ pub struct Summary {
     pub transitions: u64,
     /// Number of messages received by specifications, by name.
     pub received: EventCounts,
-    /// Number of service calls, by operation.
+    /// Number of service calls, by operation. A call counts once, whatever number of attempts and bindings it takes.
     pub calls: EventCounts,
     /// Number of calls that failed or timed out.
     pub failed_calls: u64,
