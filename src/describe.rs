@@ -17,10 +17,12 @@ use asmotion_assembly::{CoordinatorOptions, Standard, Workshop};
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{HEALTH_TOPIC, Interface};
 use asmotion_composite::Catalogue;
+use asmotion_coordinator::Source;
 use asmotion_datum::{Schema, Shape};
 use asmotion_lang::ir::Program;
 use asmotion_plan::{Component, End, Implementation, Opened, Plan, Terminal, Topic};
 
+use self::operation_types::OperationTypes;
 use crate::bridges;
 use crate::build::Build;
 use crate::files::DiskLoader;
@@ -284,12 +286,18 @@ impl<'a> Declarations<'a> {
                 name: name.clone(),
             };
             served.extend(operations.into_iter().map(|operation| {
-                let spoken = program.as_ref();
-                let spoken =
-                    spoken.map(|program| operation_types::operation(program, &operation.name));
-                let one_way = spoken.as_ref().is_some_and(|spoken| spoken.one_way);
-                let (request, response) = match spoken {
-                    Some(spoken) => (spoken.request, spoken.response),
+                let types = program.as_ref().map(|program| {
+                    self.types_of_operation(
+                        component,
+                        program,
+                        &service,
+                        interface,
+                        &operation.name,
+                    )
+                });
+                let one_way = types.as_ref().is_some_and(|types| types.one_way);
+                let (request, response) = match types {
+                    Some(types) => (types.request, types.response),
                     None => (operation.request, operation.response),
                 };
                 ServedOperation {
@@ -307,6 +315,35 @@ impl<'a> Declarations<'a> {
             }));
         }
         served
+    }
+
+    /// Types of an operation of a specification. Requests that are bound to a monitored function have those of the interface
+    /// or, if it is unknown, the domain of the function.
+    fn types_of_operation(
+        &self,
+        component: &Component,
+        program: &Program,
+        service: &End,
+        interface: &str,
+        operation: &str,
+    ) -> OperationTypes {
+        let bound = component.binding.iter().flat_map(|it| &it.monitored);
+        let mut bound = bound.filter(|it| {
+            matches!(&it.from, Source::Request(of)
+                if of.service == service.name && of.operation == operation)
+        });
+        let Some(first) = bound.next() else {
+            return operation_types::operation(program, operation);
+        };
+        let known = self.operations(interface);
+        match known.into_iter().find(|it| it.name == operation) {
+            Some(known) => OperationTypes {
+                request: known.request,
+                response: known.response,
+                one_way: false,
+            },
+            None => operation_types::bound(program, std::iter::once(first).chain(bound)),
+        }
     }
 
     /// The operations of an interface, of this build or of a program; none if it is unknown.

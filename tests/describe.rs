@@ -187,6 +187,63 @@ fn topics_and_services_are_shown_in_tables() {
     insta::assert_snapshot!("describe_navigation", tables);
 }
 
+const COUNTER: &str = "asm counter
+import StandardLibrary
+signature:
+	monitored amount: Integer
+	controlled total: Integer
+definitions:
+	main rule r_Main = if isDef(amount) then total := amount endif
+";
+
+/// Nothing but the specification knows the type of `add`; that of a part of a request is not known.
+const COUNTED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "counted"
+[components.Counter]
+implementation = { asm = "counter.asm" }
+task = { period_ms = 50 }
+services = { counting = "test/Counting" }
+bind.monitored.amount = { service = "counting.add" }
+"#;
+
+/// The words of the row of an operation, without its callers.
+fn row<'t>(tables: &'t str, operation: &str) -> Vec<&'t str> {
+    let mut rows = tables.lines().map(str::split_whitespace);
+    let row = rows.find(|words| words.clone().next() == Some(operation));
+    let row = row.unwrap_or_else(|| panic!("{operation}: {tables}"));
+    row.skip(1).take(2).collect()
+}
+
+#[test]
+fn operations_of_a_specification_have_the_types_of_their_interface_or_domains() {
+    let tables = describe(&["specs/youbot/youbot.composite.toml"]);
+    let of = |operation| row(&tables, operation);
+    let move_to = ["geometry_msgs/Pose", "std_msgs/Empty"];
+    assert_eq!(of("Locomotor.move.moveTo"), move_to, "{tables}");
+    let notify = of("Operator.notifying.notify");
+    assert_eq!(of("Locomotor.notifying.notify"), notify, "{tables}");
+
+    // an operation without a reply has a dash
+    let tables = describe(&["specs/courier/courier.composite.toml"]);
+    assert_eq!(row(&tables, "Dispatcher.dispatch.job"), ["int64", "int64"]);
+    assert_eq!(row(&tables, "Dispatcher.dispatch.done"), ["int64", "-"]);
+
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("counter.asm"), COUNTER).unwrap();
+    let path = folder.path().join("counted.composite.toml");
+    for (source, request) in [
+        ("counting.add", "int64"),
+        ("counting.add\", field = \"n", "-"),
+    ] {
+        std::fs::write(&path, COUNTED.replace("counting.add", source)).unwrap();
+        let tables = describe(&[path.to_str().unwrap()]);
+        let found = row(&tables, "Counter.counting.add");
+        assert_eq!(found, [request, "-"], "{source}: {tables}");
+    }
+}
+
 #[test]
 fn a_message_has_its_schema_and_a_topic_its_key() {
     let composite = "specs/navigation/navigation.composite.toml";

@@ -485,6 +485,10 @@ fn c18_a_timer_is_removed_and_added_while_a_call_is_under_way() {
         }
     };
     shows("sums.double");
+    // the types of this operation have no names
+    let (_, out, err) = tool(&broker, &url, &["component", "info", "Silent"]);
+    let operation = "  operation   Silent.adding.double\n";
+    assert!(out.contains(operation), "{out}{err}");
 
     let removed = ASKED.replace("{ timer = \"asked\", ms = 80000000 }", "{ value = false }");
     std::fs::write(&composite, &removed).unwrap();

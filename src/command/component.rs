@@ -186,6 +186,15 @@ fn offers(remote: &Remote, interface: &str, terminal: &mut TerminalOutput) -> Ex
     Exit::Ok
 }
 
+/// Types of an operation, after its name; empty if neither has a name, as for most services of specifications.
+fn operation_types(request: &str, response: &str) -> String {
+    let shown = |name: &str| if name.is_empty() { "-" } else { name }.to_owned();
+    match (request, response) {
+        ("", "") => String::new(),
+        (request, response) => format!(": {} -> {}", shown(request), shown(response)),
+    }
+}
+
 pub(super) fn show(
     remote_component: &asmotion_remote::RemoteComponent,
     component: &PresentComponent,
@@ -241,8 +250,11 @@ pub(super) fn show(
                 ""
             };
             terminal.result(format_args!(
-                "  operation   {}.{}.{}: {} -> {}{also}",
-                component.name, service.name, operation.name, operation.request, operation.response
+                "  operation   {}.{}.{}{}{also}",
+                component.name,
+                service.name,
+                operation.name,
+                operation_types(&operation.request, &operation.response)
             ));
         }
     }

@@ -1,6 +1,7 @@
 //! `asmotion describe`: the external interface of a composite.
 
 use asmotion_composite::model::Transport;
+use asmotion_datum::{Schema, Shape};
 use asmotion_plan::{End, Plan, Promoted};
 use clap::{ArgGroup, Args, ValueEnum};
 
@@ -205,10 +206,18 @@ fn topic(topic: &Channel) -> Vec<String> {
 fn operation(served: &ServedOperation) -> Vec<String> {
     vec![
         served.address(),
-        served.operation.request.to_string(),
-        served.operation.response.to_string(),
+        payload(&served.operation.request),
+        payload(&served.operation.response),
         ends(served.callers.iter().map(|caller| &caller.reference)),
     ]
+}
+
+/// A type, or a dash for one that is not known, and for the missing reply of an operation.
+fn payload(schema: &Schema) -> String {
+    if schema.name.is_empty() && schema.shape == Shape::Any {
+        return "-".to_owned();
+    }
+    schema.to_string()
 }
 
 fn ends<'e>(ends: impl Iterator<Item = &'e End>) -> String {

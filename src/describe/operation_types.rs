@@ -1,5 +1,6 @@
-//! Payloads of the operations of a specification, as declared by its imported modules.
+//! Payloads of the operations of a specification, as declared by its imported modules and by the domains of its functions.
 
+use asmotion_coordinator::{Monitored, Receive};
 use asmotion_datum::{Schema, Shape as Data};
 use asmotion_lang::ir::{DomainElements, DomainId, Program, ValueShape};
 
@@ -18,6 +19,35 @@ pub(super) fn operation(program: &Program, name: &str) -> OperationTypes {
         response: schema(&operation.gives, program),
         one_way: !operation.replies,
     }
+}
+
+/// Returns the payloads of an operation whose requests are bound to these functions: the domain of the one that takes the
+/// whole request. The reply is a record without fields.
+pub(super) fn bound<'b>(
+    program: &Program,
+    functions: impl Iterator<Item = &'b Monitored>,
+) -> OperationTypes {
+    let mut whole = functions.filter(|it| takes_whole_request(it));
+    let codomain = whole.find_map(|it| {
+        let names = program.symbols.functions.iter();
+        let mut functions = names.zip(&program.functions);
+        let found = functions.find(|(name, known)| known.own && ***name == *it.location.function);
+        found.map(|(_, function)| &function.codomain)
+    });
+    OperationTypes {
+        request: codomain.map_or_else(any, |codomain| schema(codomain, program)),
+        response: any(),
+        one_way: false,
+    }
+}
+
+/// Whether the value of a function is the request itself, not a part of it or the fact that there is one.
+fn takes_whole_request(bound: &Monitored) -> bool {
+    bound.receive != Receive::Edge
+        && bound.field.is_none()
+        && bound.map.is_none()
+        && bound.key.is_empty()
+        && bound.is.is_empty()
 }
 
 /// Schema of values of a shape: literals by name, tuples as lists.
