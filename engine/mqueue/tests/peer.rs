@@ -434,6 +434,48 @@ fn with_an_age_limit_nothing_is_read_that_waited_for_the_reader() {
     assert_eq!(number(&mut reader), Ok(3));
 }
 
+/// What waited while the reader did not look is of unknown age; what arrives while it looks is not, however seldom it comes.
+#[test]
+fn with_an_age_limit_nothing_is_read_that_waited_during_a_standstill_of_the_reader() {
+    let name = name("standstill");
+    let limit = Duration::from_millis(800);
+    let mut reader = QueueReader::new(name.clone(), layout()).max_age(Some(limit));
+    let Some(mut peer) = Obedient::start(&name) else {
+        return;
+    };
+    silence(&mut reader, Duration::from_millis(100));
+    peer.does("offer");
+    peer.does("write 1");
+    assert_eq!(number(&mut reader), Ok(1));
+    silence(&mut reader, 2 * limit);
+    peer.does("write 2");
+    assert_eq!(number(&mut reader), Ok(2));
+    // two messages before the standstill, of which one has been read, and one during it
+    peer.does("write 3");
+    peer.does("write 4");
+    assert_eq!(number(&mut reader), Ok(3));
+    peer.does("write 5");
+    std::thread::sleep(2 * limit);
+    for _ in [4, 5] {
+        let discarded = number(&mut reader).unwrap_err();
+        assert!(discarded.contains("the limit is 800ms"), "{discarded}");
+    }
+    peer.does("write 6");
+    assert_eq!(number(&mut reader), Ok(6));
+    // the queue is replaced during another standstill
+    peer.does("unlink");
+    drop(peer);
+    let mut peer = Obedient::start(&name).unwrap();
+    peer.does("offer");
+    peer.does("write 7");
+    std::thread::sleep(2 * limit);
+    let discarded = number(&mut reader).unwrap_err();
+    assert!(discarded.contains("the limit is 800ms"), "{discarded}");
+    peer.does("write 8");
+    assert_eq!(number(&mut reader), Ok(8));
+    peer.does("unlink");
+}
+
 #[test]
 fn a_queue_that_does_not_appear_is_reported_once() {
     let mut reader = QueueReader::new(name("never"), layout());
