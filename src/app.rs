@@ -203,6 +203,8 @@ impl App {
         match terminal.lost() {
             Some(error) => {
                 terminal.error(format_args!("cannot write the result: {error}"));
+                // the line above
+                let _ = terminal.lost();
                 exit.max(Exit::Usage)
             }
             None => exit,

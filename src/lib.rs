@@ -22,6 +22,7 @@ mod gateway;
 mod inspection;
 pub mod mission;
 mod output_files;
+mod output_queue;
 mod own_program;
 mod paths;
 mod programs;

@@ -48,7 +48,7 @@ use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
 
 use crate::story::{Story, Summary};
-use crate::terminal::{Colour, TerminalOutput};
+use crate::terminal::print_warning;
 use dashboard::OpenDashboard;
 use end_condition::{EndCondition, SLICE, awaited_updates};
 use recording::{MissionRecorder, RecordedMission};
@@ -170,7 +170,7 @@ impl Mission {
             limit: Some(Duration::from_secs(600)),
             may_fail: Vec::new(),
             recording: RecordingRequest::default(),
-            notice: |text| TerminalOutput::new(Colour::Auto).warn(text),
+            notice: print_warning,
         }
     }
 

@@ -58,6 +58,7 @@ mod routes;
 mod safe;
 mod scenario;
 mod shell;
+mod standstills;
 mod stops;
 mod stranger;
 mod supply;

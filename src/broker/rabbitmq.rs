@@ -1,6 +1,5 @@
 //! RabbitMQ: settings from an address and the command line, and connections.
 
-use std::io::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -12,6 +11,7 @@ use clap::Args;
 
 use super::{BrokerSettings, TOOL};
 use crate::build::Build;
+use crate::terminal::print_progress;
 use crate::transport::BrokerAccess;
 
 pub use asmotion_amqp::AmqpSettings;
@@ -80,7 +80,7 @@ pub fn prepare(settings: &mut AmqpSettings, robot: Option<String>, quiet: bool) 
         settings.notices = Arc::new(move |notice| {
             let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
             if is_news(&mut last, notice.to_string(), Instant::now()) {
-                let _ = writeln!(anstream::stderr(), "         Bus {notice}");
+                print_progress(format_args!("         Bus {notice}"));
             }
         });
     }

@@ -7,7 +7,6 @@ mod top;
 #[cfg(not(feature = "tui"))]
 mod unwatched;
 
-use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -31,7 +30,7 @@ use crate::mission::{
 };
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::paths::composite_file;
-use crate::terminal::TerminalOutput;
+use crate::terminal::{TerminalOutput, never_wait, print_progress, print_result};
 use crate::transport::BrokerAccess;
 use dashboard::DashboardArguments;
 use report::{event_json, headline, print_summary, summary_json};
@@ -219,17 +218,16 @@ impl Run {
             let url = format!("http://{address}/services");
             if as_json {
                 let object = json!({ "type": "gateway", "v": 1, "name": name, "url": url });
-                let _ = writeln!(anstream::stdout(), "{object}");
+                print_result(object);
             }
             if !quiet {
-                let _ = writeln!(anstream::stderr(), "   Listening {url} (gateway `{name}`)");
+                print_progress(format_args!("   Listening {url} (gateway `{name}`)"));
             }
             if is_unchecked && !needs_token && !address.ip().is_loopback() {
-                let _ = writeln!(
-                    anstream::stderr(),
+                print_progress(format_args!(
                     "warning[C067]: the gateway at {address} is open to every program on the network; \
                      give `gateways.{name}` a `token`, or listen at 127.0.0.1"
-                );
+                ));
             }
         })
     }
@@ -313,7 +311,10 @@ impl MissionArguments {
         terminal: &mut TerminalOutput,
     ) -> Exit {
         let clock = match mission.clock {
-            MissionClock::Wall => "wall clock".to_owned(),
+            MissionClock::Wall => {
+                never_wait();
+                "wall clock".to_owned()
+            }
             MissionClock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
             MissionClock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
         };
@@ -485,10 +486,10 @@ impl MissionArguments {
         move |at, event, line| {
             lock(&output_files).note(at, event);
             if let (true, Some(line)) = (tell, line) {
-                let _ = writeln!(anstream::stderr(), "{line}");
+                print_progress(line);
             }
             if let (true, Some(object)) = (as_json, event_json(at, event)) {
-                let _ = writeln!(anstream::stdout(), "{object}");
+                print_result(object);
             }
         }
     }
@@ -507,6 +508,6 @@ fn on_interrupt(stop: &Arc<AtomicBool>) {
         if stop.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        let _ = writeln!(anstream::stderr(), "\n    Stopping (Ctrl-C again to abort)");
+        print_progress("\n    Stopping (Ctrl-C again to abort)");
     });
 }

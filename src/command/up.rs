@@ -18,7 +18,7 @@ use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::mission::MissionError;
 use crate::programs::{ProcessChoice, this_machine};
-use crate::terminal::TerminalOutput;
+use crate::terminal::{TerminalOutput, never_wait};
 use crate::transport::BrokerAccess;
 
 /// Starts the processes of a composite that belong to this machine, and restarts them as its `restart` prescribes.
@@ -202,6 +202,8 @@ enum SupervisedState {
 fn supervise(mut children: Vec<SupervisedProcess>, terminal: &mut TerminalOutput) -> Exit {
     let stop = Arc::new(AtomicBool::new(false));
     let stop_flag = stop.clone();
+    // processes are restarted whether the output is read or not
+    never_wait();
     // without the handler, Ctrl-C would end this process and leave the children running
     let _ = ctrlc::set_handler(move || stop_flag.store(true, Ordering::Relaxed));
     while !stop.load(Ordering::Relaxed) {

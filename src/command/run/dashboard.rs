@@ -1,6 +1,5 @@
 //! `--dashboard` and `--control`: shows a run in a web browser.
 
-use std::io::Write;
 use std::net::SocketAddr;
 use std::process::{Command, Stdio};
 
@@ -8,6 +7,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::mission::{DashboardCallback, MissionDashboard};
+use crate::terminal::{print_progress, print_result};
 
 /// Options of the dashboard.
 #[derive(Args, Clone, Default)]
@@ -50,16 +50,13 @@ impl DashboardArguments {
         let on_open = DashboardCallback::new(move |url| {
             if as_json {
                 let object = json!({ "type": "dashboard", "v": 1, "url": url });
-                let _ = writeln!(anstream::stdout(), "{object}");
+                print_result(object);
             }
             if !quiet {
-                let _ = writeln!(anstream::stderr(), "   Dashboard {url}");
+                print_progress(format_args!("   Dashboard {url}"));
             }
             if opens_browser && !open_browser(url) {
-                let _ = writeln!(
-                    anstream::stderr(),
-                    "     Browser cannot be opened here: open the address above"
-                );
+                print_progress("     Browser cannot be opened here: open the address above");
             }
         });
         Ok(MissionDashboard::Open {
