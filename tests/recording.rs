@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use asmotion_recording::{RecordingItem, RunReader};
+use asmotion_recording::{FileEnd, RecordingItem, RunReader};
 use serde_json::Value;
 
 /// Version of the reader, and of what it needs for files that are compressed.
@@ -49,6 +49,19 @@ fn read(python: &Path, file: &Path) -> Value {
 
 fn count(content: &Value, channel: &str) -> u64 {
     content["counts"][channel].as_u64().unwrap_or(0)
+}
+
+/// The end of a file, according to our reader.
+fn end(file: &Path) -> FileEnd {
+    let ends = RunReader::open(file).unwrap();
+    let ends = ends.filter_map(|item| match item {
+        RecordingItem::End(end) => Some(end),
+        RecordingItem::Text { .. }
+        | RecordingItem::Message { .. }
+        | RecordingItem::Step { .. }
+        | RecordingItem::Cut(_) => None,
+    });
+    ends.last().unwrap()
 }
 
 /// The components whose steps our reader finds in a file, all of them intact, and the reason that the file was cut.
@@ -106,11 +119,17 @@ fn d3_a_recording_has_the_steps_messages_calls_and_texts_of_the_run() {
         "{said}"
     );
     let content = read(&python, &file("run.mcap"));
-    assert_eq!(content["cut"], Value::Null, "{content}");
-    assert_eq!(content["broken"], Value::Array(Vec::new()), "{content}");
+    assert_eq!(content["cut"], Value::Null, "{}", content["counts"]);
+    assert_eq!(
+        content["broken"],
+        Value::Array(Vec::new()),
+        "{}",
+        content["counts"]
+    );
     assert!(
         count(&content, "asm/ASMCoordinator/step") > 100,
-        "{content}"
+        "{}",
+        content["counts"]
     );
     assert!(count(&content, "port/LaserDriver.scan") + count(&content, "topic/scan") > 100);
     assert!(count(&content, "call/ASMCoordinator.planner.plan") >= 2);
@@ -129,7 +148,7 @@ fn d3_a_recording_has_the_steps_messages_calls_and_texts_of_the_run() {
     assert_eq!(text("navigate.asm"), navigate);
     assert!(text("expanded.composite.toml").contains("TrajectoryFollower"));
     assert_eq!(
-        content["facts"]["asmotion.run"]["seed"], "0",
+        content["facts"]["asmotion.run"]["seed"], "1",
         "{}",
         content["facts"]
     );
@@ -189,7 +208,11 @@ fn a_recording_is_readable_up_to_the_last_half_second_after_its_process_is_kille
     process.kill().unwrap();
     process.wait().unwrap();
     let content = read(&python, &file);
-    assert!(count(&content, "asm/ASMCoordinator/step") > 5, "{content}");
+    assert!(
+        count(&content, "asm/ASMCoordinator/step") > 5,
+        "{}",
+        content["counts"]
+    );
     assert_eq!(content["broken"], Value::Array(Vec::new()));
     assert_eq!(content["facts"]["asmotion.end"], Value::Null);
     let (read_steps, cut) = steps(&file);
@@ -204,8 +227,8 @@ fn a_recording_on_a_full_disk_is_incomplete_and_the_mission_goes_on() {
     };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.mcap");
-    // the limit for files is about a tenth of what this run writes; the signal would end the process
-    let script = "trap '' XFSZ; ulimit -f 2000; exec \"$0\" run \"$1\" --record \"$2\"";
+    // 3 MB, about a quarter of what this run writes; the signal would end the process
+    let script = "trap '' XFSZ; ulimit -f 6000; exec \"$0\" run \"$1\" --record \"$2\"";
     let mut command = Command::new("sh");
     command.args(["-c", script, env!("CARGO_BIN_EXE_asmotion")]);
     command.arg(navigation()).arg(&file);
@@ -217,7 +240,11 @@ fn a_recording_on_a_full_disk_is_incomplete_and_the_mission_goes_on() {
         "{said}"
     );
     let content = read(&python, &file);
-    assert!(count(&content, "asm/ASMCoordinator/step") > 5, "{content}");
+    assert!(
+        count(&content, "asm/ASMCoordinator/step") > 5,
+        "{}",
+        content["counts"]
+    );
     assert_eq!(content["broken"], Value::Array(Vec::new()));
 }
 
@@ -262,6 +289,12 @@ fn a_composite_records_its_runs() {
         let size = std::fs::metadata(part).unwrap().len();
         assert!(size < 3_000_000, "{size}: {parts:?}");
     }
+    // each names the next one, so that a missing one is noticed
+    let mut continues: Vec<_> = parts.iter().map(|part| end(part).continues).collect();
+    continues.sort_unstable();
+    let following = 2..=u32::try_from(parts.len()).unwrap();
+    let expected: Vec<_> = [None].into_iter().chain(following.map(Some)).collect();
+    assert_eq!(continues, expected);
     run("dir = \"some\", topics = [\"goal\"], calls = false, asm_states = false");
     let [file] = &*files("some") else {
         panic!("{:?}", files("some"));
@@ -269,7 +302,7 @@ fn a_composite_records_its_runs() {
     let content = read(&python, file);
     let channels = content["counts"].as_object().unwrap().keys();
     let channels: Vec<_> = channels.map(String::as_str).collect();
-    assert_eq!(channels, ["events", "topic/goal"], "{content}");
+    assert_eq!(channels, ["events", "topic/goal"], "{}", content["counts"]);
     // a topic that does not exist
     let path = recorded(folder.path(), "topics = [\"gaol\"]");
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
@@ -278,5 +311,5 @@ fn a_composite_records_its_runs() {
     // the run goes on where nothing can be written
     std::fs::write(folder.path().join("taken"), "").unwrap();
     let said = run("dir = \"taken\"");
-    assert!(said.contains("INCOMPLETE"), "{said}");
+    assert!(said.contains("recording  none: cannot create"), "{said}");
 }

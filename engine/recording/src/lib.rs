@@ -18,7 +18,7 @@ mod write;
 pub use read::{RecordingError, read_samples};
 #[cfg(feature = "mcap")]
 pub use run::{
-    ChainedCycle, CoordinatorEnd, Overflow, RecorderOptions, RecordingEnd, RecordingFailure,
-    RecordingFile, RecordingItem, RunReader, RunRecorder, StepChain, StepHashes,
+    ChainedCycle, CoordinatorEnd, FileEnd, Overflow, RecorderOptions, RecordingEnd,
+    RecordingFailure, RecordingFile, RecordingItem, RunReader, RunRecorder, StepChain, StepHashes,
 };
 pub use write::PortRecording;

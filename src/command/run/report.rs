@@ -277,6 +277,10 @@ fn print_recording(recording: &RecordingResult, terminal: &mut TerminalOutput) {
     let paths: Vec<_> = paths.map(|path| path.display().to_string()).collect();
     let paths = paths.join(", ");
     let megabytes = recording.bytes as f64 / 1e6;
+    if let ([], Some(failure)) = (&*recording.paths, &recording.failure) {
+        terminal.result(format_args!("  {BAD}recording{BAD:#}  none: {failure}"));
+        return;
+    }
     if recording.is_complete() {
         terminal.result(format_args!("  recording  {paths} ({megabytes:.1} MB)"));
         return;

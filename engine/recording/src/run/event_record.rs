@@ -64,7 +64,16 @@ pub(super) fn event_record(event: &Event<'_>) -> Option<Value> {
             data,
         } => match data {
             Datum::Text(text) => json!({ "kind": kind, "component": component, "text": text }),
-            data => json!({ "kind": kind, "component": component, "data": datum_json(data) }),
+            Datum::Null
+            | Datum::Bool(_)
+            | Datum::Int(_)
+            | Datum::Float(_)
+            | Datum::Bytes(_)
+            | Datum::Numbers(_)
+            | Datum::List(_)
+            | Datum::Record(_) => {
+                json!({ "kind": kind, "component": component, "data": datum_json(data) })
+            }
         },
         Event::Lost { count } => json!({ "kind": "lost", "count": count }),
         Event::Cycle { .. }

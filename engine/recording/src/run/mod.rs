@@ -21,6 +21,6 @@ mod writer;
 
 pub use chain::{StepChain, StepHashes};
 pub use options::{Overflow, RecorderOptions, RecordingFile};
-pub use reader::{ChainedCycle, CoordinatorEnd, RecordingItem, RunReader};
+pub use reader::{ChainedCycle, CoordinatorEnd, FileEnd, RecordingItem, RunReader};
 pub use recorder::RunRecorder;
 pub use writer::{RecordingEnd, RecordingFailure};

@@ -46,10 +46,23 @@ pub enum RecordingItem {
         /// The message as JSON.
         data: Vec<u8>,
     },
-    /// The end of the recording, by coordinator.
-    End(BTreeMap<String, CoordinatorEnd>),
+    /// The end of the file.
+    End(FileEnd),
     /// The reason that the recording ends before its run. Nothing follows.
     Cut(String),
+}
+
+/// The end of a file of a recording.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FileEnd {
+    /// Number of the file that continues the recording, from 2; `None` if this is the last one.
+    pub continues: Option<u32>,
+    /// Number of messages of the run that are in no file; known in the last file.
+    pub lost: u64,
+    /// The reason that the recording ended before the run.
+    pub failure: Option<String>,
+    /// The end of each coordinator; known in the last file.
+    pub coordinators: BTreeMap<String, CoordinatorEnd>,
 }
 
 /// The end of a coordinator in a recording.
@@ -249,19 +262,25 @@ impl RunReader {
             return Next::Nothing;
         }
         self.has_end = true;
-        let mut ends: BTreeMap<String, CoordinatorEnd> = BTreeMap::new();
+        let mut file = FileEnd::default();
         for (name, value) in metadata.metadata {
             let Some((component, fact)) = name.rsplit_once('.') else {
+                match &*name {
+                    "continues" => file.continues = value.parse().ok(),
+                    "lost" => file.lost = value.parse().unwrap_or(u64::MAX),
+                    "failure" => file.failure = Some(value),
+                    _ => {}
+                }
                 continue;
             };
-            let end = ends.entry(component.to_owned()).or_default();
+            let end = file.coordinators.entry(component.to_owned()).or_default();
             match fact {
                 "lost" => end.lost = value.parse().unwrap_or(u64::MAX),
                 "last_hash" => end.last_hash = value,
                 _ => {}
             }
         }
-        Next::Item(RecordingItem::End(ends))
+        Next::Item(RecordingItem::End(file))
     }
 }
 

@@ -151,7 +151,8 @@ impl RecordingWriter {
                 let unflushed = self.open.as_ref().map_or(0, |open| open.unflushed);
                 self.end.messages -= unflushed;
                 // what was flushed before stays
-                let _ = self.finish_file(&BTreeMap::new());
+                let facts = BTreeMap::from([("failure".to_owned(), failure.to_string())]);
+                let _ = self.finish_file(&facts);
                 self.end.failure = Some(failure);
                 return self.end;
             }
@@ -159,7 +160,11 @@ impl RecordingWriter {
                 break;
             }
         }
-        if let Err(failure) = self.finish_file(&end_facts()) {
+        let mut facts = end_facts();
+        let messages = facts.get("messages").and_then(|count| count.parse().ok());
+        let lost = messages.unwrap_or(0_u64).saturating_sub(self.end.messages);
+        facts.insert("lost".to_owned(), lost.to_string());
+        if let Err(failure) = self.finish_file(&facts) {
             self.end.failure = Some(failure);
         }
         self.end
