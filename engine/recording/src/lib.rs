@@ -7,7 +7,7 @@
 //! recorded, in a column that ends in `.count`.
 //!
 //! **As MCAP** (feature `mcap`): messages, calls, events, and every step of every coordinator with what it takes to repeat it. See
-//! [`RunRecorder`].
+//! `RunRecorder`.
 
 mod pattern;
 mod read;
