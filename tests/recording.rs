@@ -38,7 +38,7 @@ fn python() -> Option<PathBuf> {
     None
 }
 
-/// What the independent reader finds in a file.
+/// Content of a file, according to the independent reader.
 fn read(python: &Path, file: &Path) -> Value {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/read.py");
     let output = Command::new(python).arg(script).arg(file).output().unwrap();

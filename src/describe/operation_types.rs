@@ -41,7 +41,7 @@ pub(super) fn bound<'b>(
     }
 }
 
-/// Whether the value of a function is the request itself, not a part of it or the fact that there is one.
+/// Returns whether the value of a function is the whole request, neither a part of it nor the fact that there is one.
 fn takes_whole_request(bound: &Monitored) -> bool {
     bound.receive != Receive::Edge
         && bound.field.is_none()

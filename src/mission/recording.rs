@@ -14,7 +14,7 @@ pub(super) use left_out::MissionRecorder;
 #[cfg(feature = "mcap")]
 pub(super) use recorder::MissionRecorder;
 
-/// Whether and where a mission is recorded as MCAP.
+/// Request to record a mission as MCAP.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordingRequest {
     /// Name of the file; a file that exists is kept, and the new one gets a number. `None` leaves it to the composite.
@@ -65,7 +65,7 @@ impl RecordingRequest {
     reason = "a build reads what it needs: with the feature `mcap` all but `notice`, without it `notice` and `request`"
 )]
 pub(super) struct RecordedMission<'a> {
-    /// Whether and where it is recorded.
+    /// Request to record it.
     pub request: &'a RecordingRequest,
     /// `true` if its clock is virtual: equal runs then have equal recordings, and the run waits for a slow disk.
     pub is_virtual: bool,

@@ -162,7 +162,7 @@ topic = "read"
 as = "read"
 "#;
 
-/// What `write` gives to a port, and whether a specification can read it; the same as `check` says.
+/// `check` reports exactly the messages that a specification cannot read as its domain; those that fit are also run.
 #[test]
 fn a_domain_that_no_message_fits_is_found_before_the_run() {
     let fields = [

@@ -40,7 +40,7 @@ pub struct RecordedStep {
     /// Shared by steps with the same inputs.
     inputs: Arc<InputTexts>,
     choices: Vec<usize>,
-    /// What reached the machine before the step.
+    /// Messages and failures that reached the machine before the step.
     messages: Vec<RecordedMessage>,
     unread: UnreadInput,
 }

@@ -1,4 +1,4 @@
-//! What a recording contains of a coordinator's cycle: everything that its machine needs to repeat the step, and what the step did.
+//! A cycle of a coordinator as it is recorded: the causes of its step, from which a machine repeats it, and the effects.
 
 use crate::step::{UpdateRecord, update_records};
 use asmotion_lang::Specification;

@@ -434,7 +434,7 @@ fn with_an_age_limit_nothing_is_read_that_waited_for_the_reader() {
     assert_eq!(number(&mut reader), Ok(3));
 }
 
-/// What waited while the reader did not look is of unknown age; what arrives while it looks is not, however seldom it comes.
+/// Messages that waited while the reader was stopped are of unknown age; rare messages that arrive while it looks are new.
 #[test]
 fn with_an_age_limit_nothing_is_read_that_waited_during_a_standstill_of_the_reader() {
     let name = name("standstill");

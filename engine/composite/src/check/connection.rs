@@ -440,7 +440,7 @@ fn polls(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Rep
     let delivery = policy.delivery.as_ref();
     let Some(delivery) = delivery.filter(|it| it.value == Delivery::Poll) else {
         if let Some(poll_ms) = &policy.poll_ms {
-            let reason = "without `delivery = \"poll\"`, each message makes the reader cycle";
+            let reason = "only `delivery = \"poll\"` has an interval";
             idle("poll_ms", poll_ms.span, reason, report);
         }
         return;

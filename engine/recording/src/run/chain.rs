@@ -11,7 +11,7 @@ use asmotion_coordinator::{MachineOrigin, RecordedCycle};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
-/// The beginning of the last member of a chained record. What stands before it is what it is the hash of.
+/// The beginning of the last member of a chained record. It is the hash of the text before it.
 const HASH: &str = ",\"hash\":\"";
 
 /// The first 128 bits of a SHA-256.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::queue::ChannelAbout;
 
-/// What a channel records.
+/// Kind of the messages in a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum ChannelKind {
     /// Messages of a topic.

@@ -11,7 +11,7 @@ pub(super) struct ChunkFile {
     waiting: Vec<u8>,
     /// Number of bytes flushed.
     flushed: u64,
-    /// A flush has failed. What follows would leave a gap, so nothing follows.
+    /// A flush has failed. Nothing is written after it, because the file would have a gap.
     has_failed: bool,
 }
 

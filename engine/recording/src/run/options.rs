@@ -1,4 +1,4 @@
-//! What is recorded, and where.
+//! Options of a recording, and its files.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -10,7 +10,7 @@ use asmotion_datum::Schema;
 /// The reaction to a full queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {
-    /// Wait for the disk: in simulated time, which stands still meanwhile.
+    /// Wait for the disk: in virtual time, which stands still meanwhile.
     Wait,
     /// Drop the message and count it: in real time, which does not.
     Count,
@@ -21,15 +21,15 @@ pub enum Overflow {
 pub struct RecorderOptions {
     /// Ports and topics whose samples are recorded, as patterns; all of them if this is empty.
     pub ports: Vec<String>,
-    /// Whether calls and replies are recorded.
+    /// `true` to record calls and replies.
     pub calls: bool,
-    /// Whether the steps of coordinators are recorded.
+    /// `true` to record the steps of coordinators.
     pub steps: bool,
     /// Size at which a further file begins, in bytes.
     pub rotate_bytes: Option<u64>,
     /// Reaction to a full queue.
     pub overflow: Overflow,
-    /// Time of the beginning of the run, in nanoseconds since 1970; 0 for simulated time.
+    /// Time of the beginning of the run, in nanoseconds since 1970; 0 in virtual time.
     pub epoch_ns: u64,
     /// Facts about the run: version, composite, process, clock, seed.
     pub facts: BTreeMap<String, String>,

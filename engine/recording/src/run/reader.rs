@@ -27,14 +27,14 @@ pub enum RecordingItem {
     Text {
         /// Name of the attachment.
         name: String,
-        /// The text.
+        /// Content of the attachment.
         text: String,
     },
     /// A step of a coordinator.
     Step {
         /// Name of the component.
         component: String,
-        /// The step.
+        /// Record of the step, with its hashes.
         step: Box<ChainedCycle>,
     },
     /// A message of another channel.
@@ -77,7 +77,7 @@ pub struct CoordinatorEnd {
 /// A recorded step and its hashes.
 #[derive(Debug)]
 pub struct ChainedCycle {
-    /// The step.
+    /// Causes and effects of the step.
     pub cycle: RecordedCycle,
     /// Its hashes, as recorded.
     pub hashes: StepHashes,
