@@ -84,9 +84,7 @@ fn messages_of_rospy_are_printed() {
 
 #[test]
 fn without_a_master_the_commands_say_so() {
-    let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = free.local_addr().unwrap().port();
-    drop(free);
+    let [port] = asmotion_skip::free_ports().unwrap();
     for arguments in [&["list"][..], &["echo", "/odom"]] {
         let (code, out, err) = ros(arguments, port);
         assert_eq!((code, &*out), (2, ""));

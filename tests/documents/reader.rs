@@ -1,7 +1,6 @@
 //! Runs the commands of a document.
 
 use std::io::Write;
-use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -47,8 +46,8 @@ struct Background {
 impl<'b> Reader<'b> {
     pub fn new(document: &'b str, broker: &'b SharedBroker) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr();
-        let gateway = free.unwrap().to_string();
+        let [port] = asmotion_skip::free_ports().unwrap();
+        let gateway = format!("127.0.0.1:{port}");
         std::fs::create_dir(folder.path().join("examples")).unwrap();
         for part in ["specs", "examples/gripper"] {
             copy(&root().join(part), &folder.path().join(part), &gateway);

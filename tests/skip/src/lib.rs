@@ -3,8 +3,10 @@
 
 mod compiler;
 mod nusmv;
+mod ports;
 
 pub use nusmv::Nusmv;
+pub use ports::free_ports;
 
 use std::collections::BTreeSet;
 use std::io::Write;

@@ -101,9 +101,7 @@ fn a_node_whose_name_is_taken_ends() {
 
 #[test]
 fn r6_without_a_master_there_is_a_clear_error() {
-    let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = free.local_addr().unwrap().port();
-    drop(free);
+    let [port] = asmotion_skip::free_ports().unwrap();
     let node = TestNode::start(port, "/alone", |_| ());
     let error = node
         .node
