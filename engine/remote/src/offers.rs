@@ -33,16 +33,16 @@ impl FoundService {
 }
 
 impl Remote {
-    /// All services with this interface, in the order of robots and processes. The first call waits up to 1.5 s, until
-    /// every process has published its presence.
+    /// All services with this interface, in the order of robots and processes. The first call waits as
+    /// [`processes`](Self::processes) does.
     pub fn services(&self, interface: &str) -> Vec<FoundService> {
         let mut found = self.all_services();
         found.retain(|it| it.interface == interface);
         found
     }
 
-    /// Finds the service with this interface, for example `nav/PlanService`. The first call waits up to 1.5 s,
-    /// until every process has published its presence, since there may be two.
+    /// Finds the service with this interface, for example `nav/PlanService`. The first call waits as
+    /// [`processes`](Self::processes) does, since there may be two.
     ///
     /// # Errors
     /// An error if no service has the interface, or if several have it.

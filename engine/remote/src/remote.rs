@@ -24,6 +24,9 @@ use crate::roster::{ComponentLocation, Roster, WORDS, find_component};
 const CONNECT: Duration = Duration::from_secs(10);
 /// Time after which every running process has published its presence, which happens once a second.
 const LISTEN: Duration = Duration::from_millis(1500);
+/// Time after which no process is taken to run. It is longer than [`LISTEN`], because "nobody is there" on a busy machine, whose
+/// only process is late, would be wrong, while a list from which one is missing is corrected by the next.
+const NOBODY: Duration = Duration::from_secs(4);
 /// Timeout of an order.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// The sender name of this program on the bus.
@@ -38,8 +41,8 @@ struct RemoteState {
     /// The robot to which lookups are restricted; `None` for all.
     robot: Option<String>,
     roster: Mutex<Roster>,
-    /// Time at which every running process has published its presence.
-    complete_at: Instant,
+    /// Time of the connection to the bus.
+    connected_at: Instant,
 }
 
 impl Remote {
@@ -65,7 +68,7 @@ impl Remote {
             bus,
             robot: robot.map(str::to_owned),
             roster: Mutex::new(Roster::new(presences)),
-            complete_at: Instant::now() + LISTEN,
+            connected_at: Instant::now(),
         })))
     }
 
@@ -82,8 +85,8 @@ impl Remote {
         Ok(listen(&*self.0.bus, pattern)?)
     }
 
-    /// The running processes with their newest presence. The first call waits up to 1.5 s, until every process has
-    /// published its own.
+    /// The running processes with their newest presence. The first call waits 1.5 s, until every process has published its
+    /// own, and up to 4 s for the first one.
     pub fn processes(&self) -> Vec<RobotPresence> {
         self.complete_roster().presences(self.robot())
     }
@@ -133,7 +136,7 @@ impl Remote {
             roster.listen(Duration::ZERO);
             let all = roster.components(self.robot());
             let location = find_component(name, &all);
-            let remaining = self.0.complete_at.saturating_duration_since(Instant::now());
+            let remaining = self.wait_of(&roster);
             // without the robot's name, a robot whose presence has not arrived yet may have a component with the same
             // name
             let is_sure = |it: &ComponentLocation| self.robot().is_some() || it.full_name() == name;
@@ -189,6 +192,13 @@ impl Remote {
         self.0.robot.as_deref()
     }
 
+    /// Time for which the presence of further processes is awaited.
+    fn wait_of(&self, roster: &Roster) -> Duration {
+        let heard = !roster.presences(self.robot()).is_empty();
+        let wait = if heard { LISTEN } else { NOBODY };
+        wait.saturating_sub(self.0.connected_at.elapsed())
+    }
+
     fn roster(&self) -> MutexGuard<'_, Roster> {
         self.0.roster.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -198,7 +208,7 @@ impl Remote {
         let mut roster = self.roster();
         roster.listen(Duration::ZERO);
         loop {
-            let remaining = self.0.complete_at.saturating_duration_since(Instant::now());
+            let remaining = self.wait_of(&roster);
             if remaining.is_zero() {
                 return roster;
             }

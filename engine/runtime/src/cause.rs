@@ -1,7 +1,7 @@
 //! The cause of a cycle: the trace of the message from outside that it consumed last. Publications and calls of the
 //! cycle continue this trace.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use asmotion_bus::TraceContext;
 use crossbeam_queue::ArrayQueue;
@@ -14,6 +14,9 @@ pub struct CycleCause {
     /// The newest trace that arrived over a bus since the last cycle. A queue of one, because a trace is wider than an
     /// atomic.
     newest: ArrayQueue<TraceContext>,
+    /// Set after a trace was put into `newest`, cleared before it is taken. Spares cycles without a trace the memory of the
+    /// queue.
+    has_arrived: AtomicBool,
     /// The current cycle's trace: both halves of the id, and the span; all zero without a trace. Written and read by
     /// the component's own thread alone, so `Relaxed` suffices; the atomics only make the type shareable.
     current: [AtomicU64; 3],
@@ -23,6 +26,7 @@ impl CycleCause {
     pub(crate) fn new() -> Self {
         Self {
             newest: ArrayQueue::new(1),
+            has_arrived: AtomicBool::new(false),
             current: Default::default(),
         }
     }
@@ -30,11 +34,14 @@ impl CycleCause {
     /// Records the trace of an arriving message. The next cycle continues it unless a newer one arrives first.
     pub fn record(&self, trace: TraceContext) {
         self.newest.force_push(trace);
+        self.has_arrived.store(true, Ordering::Release);
     }
 
     /// Makes the newest recorded trace that of the cycle that begins.
     pub(crate) fn begin_cycle(&self) {
-        self.set(self.newest.pop());
+        let has_arrived =
+            self.has_arrived.load(Ordering::Relaxed) && self.has_arrived.swap(false, Ordering::Acquire);
+        self.set(has_arrived.then(|| self.newest.pop()).flatten());
     }
 
     /// Makes the trace of a consumed message that of the current cycle; `None` changes nothing.
@@ -65,8 +72,9 @@ impl CycleCause {
 
     pub(crate) fn restore(&self, [arrived, present]: [Option<TraceContext>; 2]) {
         self.newest.pop();
+        self.has_arrived.store(false, Ordering::Relaxed);
         if let Some(trace) = arrived {
-            self.newest.force_push(trace);
+            self.record(trace);
         }
         self.set(present);
     }

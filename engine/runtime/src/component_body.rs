@@ -62,6 +62,10 @@ impl ComponentBody {
             required,
         } = interface.into_parts();
         let cause = Arc::new(CycleCause::new());
+        let caller = OutgoingCalls::new(component, Arc::clone(&cause));
+        if !declaration.references.is_empty() {
+            caller.allocate();
+        }
         Self {
             owner,
             topics: declaration.outputs.iter().map(|_| None).collect(),
@@ -87,7 +91,7 @@ impl ComponentBody {
             properties,
             provided,
             required,
-            caller: OutgoingCalls::new(component, Arc::clone(&cause)),
+            caller,
             cause,
             journal: Vec::new(),
             refused: 0,

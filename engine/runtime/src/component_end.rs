@@ -8,12 +8,13 @@ use crate::build_error::BuildError;
 /// One end of a connection or wire: a port, service or reference of a component.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ComponentEnd {
-    /// Full name, `component.port`.
-    pub(crate) name: String,
+    // the numbers are compared first, which tells most ends apart
     /// Position of the component in the system.
     pub(crate) unit: usize,
     /// Position of the port, service or reference in the component's declaration.
     pub(crate) index: usize,
+    /// Full name, `component.port`.
+    pub(crate) name: String,
 }
 
 impl ComponentEnd {
@@ -89,7 +90,7 @@ pub(crate) fn find<'a>(
     path: &str,
     table: fn(&Declaration) -> EndTable<'_>,
 ) -> Result<ComponentEnd, BuildError> {
-    let (component, port) = path.rsplit_once('.').unwrap_or((path, ""));
+    let (component, _) = split(path);
     let found = components
         .clone()
         .enumerate()
@@ -104,6 +105,21 @@ pub(crate) fn find<'a>(
             ),
         });
     };
+    find_in((unit, declaration), path, table)
+}
+
+/// Splits `component.port` into both names.
+pub(crate) fn split(path: &str) -> (&str, &str) {
+    path.rsplit_once('.').unwrap_or((path, ""))
+}
+
+/// Finds `component.port` in this component, given with its position.
+pub(crate) fn find_in(
+    (unit, declaration): (usize, &Declaration),
+    path: &str,
+    table: fn(&Declaration) -> EndTable<'_>,
+) -> Result<ComponentEnd, BuildError> {
+    let (component, port) = split(path);
     let EndTable {
         kind: what,
         names,

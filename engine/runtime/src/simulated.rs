@@ -130,9 +130,6 @@ impl Simulation {
             pacer.wait(at);
         }
         self.timeline.set_now(at);
-        for driven in &mut self.timeline.schedules {
-            driven.cycles = 0;
-        }
     }
 
     /// Handles one due item. Returns whether an event satisfied `watch`.

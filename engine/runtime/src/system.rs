@@ -63,10 +63,14 @@ pub(crate) use join::operation_indices;
 #[derive(Default)]
 pub struct System {
     pub(crate) units: Vec<ComponentUnit>,
+    /// Position of each component by its name.
+    positions: BTreeMap<Arc<str>, usize>,
     /// Names of components outside the system, by position; the others have the same name outside.
     pub(crate) external_names: BTreeMap<usize, Arc<str>>,
     pub(crate) observers: Vec<Box<dyn Observer>>,
     pub(crate) topics: Vec<SystemTopic>,
+    /// Position of each topic by its name.
+    pub(crate) topic_positions: BTreeMap<String, usize>,
     /// Adapters, not the system itself, connect publishers and subscribers.
     pub(crate) topics_outside: bool,
     pub(crate) adapters: Vec<Box<dyn Adapter>>,
@@ -129,15 +133,16 @@ impl System {
         }
         let index = self.units.len();
         let body = ComponentBody::new(interface, index);
-        let unit = ComponentUnit::new(Arc::from(name), index, activity, component, body);
+        let name = Arc::from(name);
+        self.positions.insert(Arc::clone(&name), index);
+        let unit = ComponentUnit::new(name, index, activity, component, body);
         self.units.push(unit);
         Ok(ComponentId(index))
     }
 
     /// The component with this name.
     pub fn id(&self, name: &str) -> Option<ComponentId> {
-        let found = self.units.iter().position(|unit| *unit.name == *name);
-        found.map(ComponentId)
+        self.positions.get(name).copied().map(ComponentId)
     }
 
     /// The declaration of a component.

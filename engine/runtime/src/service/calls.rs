@@ -8,11 +8,10 @@ use asmotion_bus::TraceContext;
 use asmotion_component::{CallError, CallId, OperationSlot};
 use asmotion_datum::Sample;
 use asmotion_port::Time;
-use crossbeam_queue::ArrayQueue;
 
 pub(crate) use self::freeze::FrozenCalls;
 use super::message::{
-    CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest,
+    CallKey, ComponentReply, ProviderMessage, ReplyQueue, ReplyTo, ServiceRequest, UNDER_WAY,
 };
 use super::reference::{
     RequiredReference, Wiring, first_alternative, next_alternative, path_names, wire_of, wiring_of,
@@ -20,9 +19,6 @@ use super::reference::{
 use crate::cause::CycleCause;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
-
-/// Limit on the outstanding calls of one component; calls beyond it end as unavailable.
-const UNDER_WAY: usize = 128;
 
 /// All calls that one component has made.
 pub(crate) struct OutgoingCalls {
@@ -70,10 +66,7 @@ pub(crate) struct EndedCall {
 impl OutgoingCalls {
     pub(crate) fn new(component: usize, cause: Arc<CycleCause>) -> Self {
         Self {
-            reply_queue: Arc::new(ReplyQueue {
-                queue: ArrayQueue::new(UNDER_WAY),
-                component,
-            }),
+            reply_queue: Arc::new(ReplyQueue::new(component)),
             outstanding: Vec::new(),
             ended: Vec::new(),
             frozen: Vec::new(),
@@ -81,6 +74,11 @@ impl OutgoingCalls {
             lost_calls: 0,
             cause,
         }
+    }
+
+    /// Allocates the memory for replies now, instead of in the cycle that makes the first call.
+    pub(crate) fn allocate(&self) {
+        self.reply_queue.queue();
     }
 
     /// Returns a fresh number for a call that the current cycle makes.
@@ -216,8 +214,13 @@ impl OutgoingCalls {
         references: &[RequiredReference],
         effects: &mut ComponentEffects<'_>,
     ) -> bool {
-        for _ in 0..self.reply_queue.queue.len() {
-            let Some(answer) = self.reply_queue.queue.pop() else {
+        if self.last_number == 0 {
+            // a component that has never called has no queue
+            return false;
+        }
+        let queue = Arc::clone(&self.reply_queue);
+        for _ in 0..queue.queue().len() {
+            let Some(answer) = queue.queue().pop() else {
                 break;
             };
             // without a match, the reply is to a call that has ended: too late

@@ -1,6 +1,6 @@
 //! Messages between callers and providers.
 
-use std::sync::{Arc, mpsc};
+use std::sync::{Arc, OnceLock, mpsc};
 
 use asmotion_bus::TraceContext;
 use asmotion_component::CallError;
@@ -9,6 +9,9 @@ use asmotion_port::Time;
 use crossbeam_queue::ArrayQueue;
 
 use crate::effects::Effects;
+
+/// Limit on the outstanding calls of one component; calls beyond it end as unavailable.
+pub(super) const UNDER_WAY: usize = 128;
 
 /// Identifies a call within the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,15 +107,29 @@ pub(crate) struct CallAnswer {
 
 /// Replies that wait for their caller. Providers on any thread push them; the caller's thread pops them.
 pub(crate) struct ReplyQueue {
-    pub(super) queue: ArrayQueue<CallAnswer>,
+    /// Created by the caller, at the latest with its first call: a component without references has none.
+    queue: OnceLock<ArrayQueue<CallAnswer>>,
     /// Position of the caller in the system.
-    pub(super) component: usize,
+    component: usize,
 }
 
 impl ReplyQueue {
+    /// Creates the queue of the caller at this position of the system.
+    pub(super) fn new(component: usize) -> Self {
+        Self {
+            queue: OnceLock::new(),
+            component,
+        }
+    }
+
+    /// The replies that wait.
+    pub(super) fn queue(&self) -> &ArrayQueue<CallAnswer> {
+        self.queue.get_or_init(|| ArrayQueue::new(UNDER_WAY))
+    }
+
     /// Pushes a reply. If the queue is full, the reply is dropped and the call ends at its deadline.
     pub(crate) fn push(&self, answer: CallAnswer, effects: &mut dyn Effects) {
-        if self.queue.push(answer).is_ok() {
+        if self.queue().push(answer).is_ok() {
             effects.trigger(self.component);
         }
     }

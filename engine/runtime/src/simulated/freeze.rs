@@ -164,9 +164,10 @@ impl Simulation {
         let due = due.collect::<Result<_, SystemThawError>>()?;
         let timeline = &mut self.timeline;
         timeline.queue = DueQueue::of(state.planned, due);
-        timeline.schedules.clone_from(&state.schedules);
         timeline.escalated = false;
+        // before the schedules, whose counts of cycles belong to this instant
         timeline.set_now(state.now);
+        timeline.resume(&state.schedules);
         timeline.handle.set_order(state.order);
         if let Some(pacer) = &mut self.pacer {
             pacer.restart(state.now);

@@ -25,6 +25,10 @@ pub(super) struct Timeline {
     pub queue: DueQueue,
     pub observers: Vec<Box<dyn Observer>>,
     pub schedules: Vec<UnitSchedule>,
+    /// The units that have cycled at the current instant, whose counts of cycles end with it.
+    busy: Vec<usize>,
+    /// Slaves of each unit, in the order of the units.
+    slaves: Vec<Vec<usize>>,
     /// A component has failed whose activity stops all components.
     pub escalated: bool,
     /// Shared with threads outside the simulation.
@@ -91,20 +95,41 @@ impl Effects for SimulatedEffects<'_, '_> {
 
 impl Timeline {
     pub(super) fn new(units: &[ComponentUnit], observers: Vec<Box<dyn Observer>>) -> Self {
-        Self {
+        let mut timeline = Self {
             now: Time::ZERO,
             queue: DueQueue::default(),
             observers,
-            schedules: units.iter().map(UnitSchedule::of).collect(),
+            schedules: Vec::new(),
+            busy: Vec::new(),
+            slaves: Vec::new(),
             escalated: false,
             handle: Arc::new(SimulatedHandle::new(units.len())),
+        };
+        timeline.slaves.resize(units.len(), Vec::new());
+        for unit in units {
+            timeline.add(unit);
         }
+        timeline
     }
 
     /// Adds the schedule of a new unit, whose position follows that of the last one.
     pub(super) fn add(&mut self, unit: &ComponentUnit) {
         self.handle.extend_to(unit.index);
         self.schedules.push(UnitSchedule::of(unit));
+        if self.slaves.len() <= unit.index {
+            self.slaves.resize(unit.index + 1, Vec::new());
+        }
+        if let Some(master) = unit.master {
+            self.slaves[master].push(unit.index);
+        }
+    }
+
+    /// Replaces the schedules of all units by those of another run.
+    pub(super) fn resume(&mut self, schedules: &[UnitSchedule]) {
+        self.schedules = schedules.to_vec();
+        let cycled = |(_, schedule): &(usize, &UnitSchedule)| schedule.cycles > 0;
+        let busy = self.schedules.iter().enumerate().filter(cycled);
+        self.busy = busy.map(|(component, _)| component).collect();
     }
 
     /// Ends the schedule of a removed unit.
@@ -112,11 +137,17 @@ impl Timeline {
         let schedule = &mut self.schedules[component];
         schedule.serves = false;
         schedule.set_drive(Drive::Manual);
+        for slaves in &mut self.slaves {
+            slaves.retain(|slave| *slave != component);
+        }
     }
 
     pub(super) fn set_now(&mut self, now: Time) {
         self.now = now;
         self.handle.set_now(now);
+        for component in self.busy.drain(..) {
+            self.schedules[component].cycles = 0;
+        }
     }
 
     /// The running system, for threads outside the simulation.
@@ -171,6 +202,9 @@ impl SimulatedEffects<'_, '_> {
     pub(super) fn cycle(&mut self, units: &mut [ComponentUnit], component: usize) {
         let now = self.timeline.now;
         let driven = &mut self.timeline.schedules[component];
+        if driven.cycles == 0 {
+            self.timeline.busy.push(component);
+        }
         driven.cycles += 1;
         if driven.cycles > CYCLES_AN_INSTANT {
             let fault = self.timeline.endless_loop(units);
@@ -196,8 +230,10 @@ impl SimulatedEffects<'_, '_> {
 
     /// Runs a cycle of each slave of a unit that has cycled, at the same instant.
     fn slaves(&mut self, units: &mut [ComponentUnit], master: usize) {
-        for slave in 0..units.len() {
-            if units[slave].master == Some(master) && units[slave].state().is_running() {
+        // a cycle neither adds nor removes slaves
+        for position in 0..self.timeline.slaves[master].len() {
+            let slave = self.timeline.slaves[master][position];
+            if units[slave].state().is_running() {
                 self.cycle(units, slave);
             }
         }

@@ -208,15 +208,17 @@ impl System {
 
     /// Position of a topic, which is created if need be.
     fn topic_index(&mut self, name: &str) -> usize {
-        let found = self.topics.iter().position(|topic| topic.name == name);
-        found.unwrap_or_else(|| {
-            self.topics.push(SystemTopic {
-                name: name.to_owned(),
-                publishers: Vec::new(),
-                subscribers: Vec::new(),
-            });
-            self.topics.len() - 1
-        })
+        if let Some(position) = self.topic_positions.get(name) {
+            return *position;
+        }
+        let position = self.topics.len();
+        self.topic_positions.insert(name.to_owned(), position);
+        self.topics.push(SystemTopic {
+            name: name.to_owned(),
+            publishers: Vec::new(),
+            subscribers: Vec::new(),
+        });
+        position
     }
 
     /// Connects a publisher to a subscriber, unless adapters do so.
@@ -272,6 +274,11 @@ impl System {
         path: &str,
         table: fn(&Declaration) -> EndTable<'_>,
     ) -> Result<ComponentEnd, BuildError> {
+        let (component, _) = component_end::split(path);
+        if let Some(ComponentId(unit)) = self.id(component) {
+            let declaration = &self.units[unit].body.declaration;
+            return component_end::find_in((unit, declaration), path, table);
+        }
         let units = self.units.iter();
         component_end::find(
             units.map(|unit| (&*unit.name, &unit.body.declaration)),

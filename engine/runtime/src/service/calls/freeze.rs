@@ -130,7 +130,7 @@ impl OutgoingCalls {
     }
 
     pub(crate) fn snapshot(&self) -> Result<FrozenCalls, SystemFreezeError> {
-        let queue = &self.reply_queue.queue;
+        let queue = self.reply_queue.queue();
         let mut answers = Vec::new();
         // rotates the queue once; nothing else accesses it while the simulation is idle
         for _ in 0..queue.len() {
@@ -166,9 +166,10 @@ impl OutgoingCalls {
         self.frozen = ends(&calls.frozen)?;
         self.last_number = calls.last;
         self.lost_calls = calls.lost;
-        while self.reply_queue.queue.pop().is_some() {}
+        let queue = self.reply_queue.queue();
+        while queue.pop().is_some() {}
         for (number, result) in &calls.answers {
-            self.reply_queue.queue.force_push(CallAnswer {
+            queue.force_push(CallAnswer {
                 number: *number,
                 result: thawed(result, names)?,
             });
