@@ -15,9 +15,9 @@ use crate::stranger::python;
 
 /// Time for everything to come back on a loaded machine.
 const LONG: Duration = Duration::from_secs(60);
-/// Age in ms that no command may have that the driver reads: the limit of its connection, and the time that a loaded machine
-/// takes to pass a line of output on.
-const OLDEST: u64 = 500 + 1000;
+/// Age in ms that no command may have that the driver reads: the limit of its connection, and the time from freezing the inputs
+/// of a step to the step on a loaded machine.
+const OLDEST: u64 = 500 + 200;
 /// Duration of an interruption, in which commands get much older than that.
 const INTERRUPTION: Duration = Duration::from_secs(4);
 
@@ -66,21 +66,33 @@ as = "command"
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Received {
     number: u64,
-    /// Its age when the line of output was read, in ms.
+    /// Its age in the step that read it, in ms.
     age: u64,
+}
+
+/// A line of output about a step that has read a command. All times are in ms.
+#[derive(Clone, Copy)]
+struct StepLine {
+    number: u64,
+    /// Time at which the command was given, modulo 2³².
+    given: u64,
+    /// Time of the step since the start of the run.
+    step: u64,
+    /// Time at which the line was read. A line that waits in a driver that is stopped is read much later than the step was made.
+    read: u64,
 }
 
 /// A driver, and what it has received.
 struct Driver {
     child: Child,
-    received: Arc<Mutex<Vec<Received>>>,
+    steps: Arc<Mutex<Vec<StepLine>>>,
     lines: Arc<Mutex<Vec<Value>>>,
     reader: Option<std::thread::JoinHandle<()>>,
 }
 
 fn milliseconds() -> u64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
-    now.as_millis() as u64 % (1 << 32)
+    now.as_millis() as u64
 }
 
 impl Driver {
@@ -93,11 +105,11 @@ impl Driver {
         command.env("ASMOTION_PASSWORD", broker.password());
         let mut child = command.spawn().unwrap();
         let lines = BufReader::new(child.stdout.take().unwrap()).lines();
-        let (received, told) = (
+        let (steps, told) = (
             Arc::<Mutex<Vec<_>>>::default(),
             Arc::<Mutex<Vec<_>>>::default(),
         );
-        let (to, all) = (Arc::clone(&received), Arc::clone(&told));
+        let (to, all) = (Arc::clone(&steps), Arc::clone(&told));
         let reader = std::thread::spawn(move || {
             for line in lines.map_while(Result::ok) {
                 let line: Value = serde_json::from_str(&line).unwrap();
@@ -107,14 +119,26 @@ impl Driver {
         });
         Self {
             child,
-            received,
+            steps,
             lines: told,
             reader: Some(reader),
         }
     }
 
     fn received(&self) -> Vec<Received> {
-        self.received.lock().unwrap().clone()
+        let steps = self.steps.lock().unwrap();
+        // the start of the run, as the line says that was passed on fastest
+        let start = steps.iter().map(|it| it.read - it.step).min();
+        let received = |it: &StepLine| {
+            let age = (start.unwrap() + it.step) as i64 - it.given as i64;
+            let age = age.rem_euclid(1 << 32) as u64;
+            Received {
+                number: it.number,
+                // clocks are read in whole milliseconds: one that was given just now may seem to come from the future
+                age: if age > 1 << 31 { 0 } else { age },
+            }
+        };
+        steps.iter().map(received).collect()
     }
 
     fn signal(&self, signal: &str) {
@@ -154,7 +178,7 @@ impl Drop for Driver {
 }
 
 /// The command that a step has read.
-fn command_of(line: &Value) -> Option<Received> {
+fn command_of(line: &Value) -> Option<StepLine> {
     let updates = line["step"]["updates"].as_array()?;
     let value = |location| {
         let update = updates
@@ -162,9 +186,11 @@ fn command_of(line: &Value) -> Option<Received> {
             .find(|update| update["location"] == location)?;
         update["after"].as_str()?.parse::<u64>().ok()
     };
-    Some(Received {
+    Some(StepLine {
         number: value("number")?,
-        age: (milliseconds() + (1 << 32) - value("at")?) % (1 << 32),
+        given: value("at")?,
+        step: (line["t"].as_f64()? * 1e3) as u64,
+        read: milliseconds(),
     })
 }
 
