@@ -20,8 +20,9 @@ mod write;
 pub use read::{RecordingError, read_samples};
 #[cfg(feature = "mcap")]
 pub use replay::{
-    CoordinatorReplay, DifferenceKind, InputChange, LocationWriter, ReplayCounts, ReplayFailure,
-    ReplayOptions, RunFiles, RunItems, SourceTexts, StepDifference, WrittenValue,
+    CoordinatorReplay, DifferenceKind, InputChange, LocationWriter, RecordedMachine,
+    RecordedMachines, ReplayCounts, ReplayFailure, ReplayOptions, RunFiles, RunItems, SourceTexts,
+    StepDifference, WrittenValue,
 };
 #[cfg(feature = "mcap")]
 pub use run::{

@@ -8,6 +8,7 @@ use super::outcome::{
     CoordinatorOutcome, Explained, ReachedState, RecordingOutcome, ReplayVerdict,
 };
 use super::words::{self, seconds, step};
+use crate::show;
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 
 /// Prints all results and a summary.
@@ -94,7 +95,7 @@ fn print_coordinator(name: &str, one: &CoordinatorOutcome, terminal: &mut Termin
     };
     terminal.result(format_args!("  {style}{word:<10}{style:#} {text}"));
     if let Some(difference) = &one.difference {
-        for (label, text) in words::difference(difference, "replay") {
+        for (label, text) in words::difference(difference) {
             terminal.result(format_args!("    {label:<10} {text}"));
         }
     }
@@ -174,7 +175,7 @@ fn print_writer(writer: &LocationWriter, terminal: &mut TerminalOutput) {
         writer.text
     ));
     for guard in &writer.guards {
-        terminal.result(format_args!("  because    {}", words::guard(guard)));
+        terminal.result(format_args!("  because    {}", show::guard(guard)));
     }
     terminal.result(format_args!("  cause      {}", words::cause(&writer.cause)));
     for read in &writer.read {

@@ -54,7 +54,7 @@ fn coordinator(
 }
 
 fn difference(difference: &StepDifference) -> Value {
-    let lines = words::difference(difference, "replay").into_iter();
+    let lines = words::difference(difference).into_iter();
     let text = lines.map(|(label, text)| format!("{label}: {text}"));
     let mut shown = json!({
         "step": difference.number, "time_s": difference.time_ns as f64 / 1e9, "cause": difference.cause,

@@ -1,7 +1,8 @@
 //! Differences and explanations in words.
 
-use asmotion_lang::guards::PassedGuard;
 use asmotion_recording::{DifferenceKind, StepDifference, WrittenValue};
+
+use crate::show;
 
 /// A time of the run, as in `10.650 s`.
 pub fn seconds(time_ns: i64) -> String {
@@ -24,13 +25,13 @@ pub fn step(number: u64, time_ns: i64) -> String {
 /// A line about a difference: its label, and its text.
 pub type Line = (&'static str, String);
 
-/// The difference in a few lines. `new` names what is compared with the recording.
-pub fn difference(difference: &StepDifference, new: &'static str) -> Vec<Line> {
+/// The difference in a few lines.
+pub fn difference(difference: &StepDifference) -> Vec<Line> {
     let mut lines = vec![("cause", cause(&difference.cause))];
     let mut both = |what: String, recorded: String, replayed: String| {
         lines.push(("what", what));
         lines.push(("recorded", recorded));
-        lines.push((new, replayed));
+        lines.push(("replay", replayed));
     };
     match &difference.kind {
         DifferenceKind::Altered if difference.is_altered => {}
@@ -109,6 +110,8 @@ pub fn difference(difference: &StepDifference, new: &'static str) -> Vec<Line> {
             "steps are missing, and the recording counts none as lost".to_owned(),
         )),
     }
+    let guards = difference.guards.iter();
+    lines.extend(guards.map(|guard| ("because", show::guard(guard))));
     if difference.is_altered && difference.kind != DifferenceKind::Missing {
         let text = "it was changed after the run: its hash is not that of its content";
         lines.push(("record", text.to_owned()));
@@ -141,28 +144,4 @@ fn fault(fault: Option<&String>) -> String {
 
 fn or_none(text: &Option<String>) -> String {
     text.clone().unwrap_or_else(|| "none".to_owned())
-}
-
-/// A guard with the values that it read.
-pub fn guard(guard: &PassedGuard) -> String {
-    let PassedGuard {
-        text,
-        holds,
-        values,
-        ..
-    } = guard;
-    let text = if *holds {
-        format!("`{text}`")
-    } else {
-        format!("not `{text}`")
-    };
-    let values = values
-        .iter()
-        .map(|(name, value)| format!("{name} = {value}"));
-    let values: Vec<_> = values.collect();
-    if values.is_empty() {
-        text
-    } else {
-        format!("{text}, with {}", values.join(", "))
-    }
 }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use asmotion_coordinator::{MachineBegin, MachineOrigin};
+use asmotion_lang::guards::PassedGuard;
 use asmotion_lang::machine::{Machine, TransferError};
 use asmotion_lang::{Specification, StepFault, simulate};
 
@@ -111,6 +112,26 @@ impl ReplayMachine {
             TransferError::Message => "a message names an unknown element".to_owned(),
             TransferError::Fault(fault) => self.explained(fault),
         }
+    }
+
+    /// Returns the guards on the way to an update of the last step that is different. `before` is the machine before that step.
+    pub fn guards(&self, before: &Machine, kind: &DifferenceKind) -> Vec<PassedGuard> {
+        let DifferenceKind::Update {
+            location,
+            replayed: Some(_),
+            ..
+        } = kind
+        else {
+            return Vec::new();
+        };
+        let machine = &self.machine;
+        let mut updates = machine.last_step().updates().iter();
+        let update = updates.find(|it| simulate::location(machine, it.slot) == *location);
+        let at = update.and_then(|it| machine.state().location(machine.program(), it.slot));
+        at.map_or_else(Vec::new, |(function, arguments)| {
+            let specification = &self.specification;
+            specification.guards_of_update(machine, before, function, &arguments)
+        })
     }
 
     /// Message of a fault of the machine.

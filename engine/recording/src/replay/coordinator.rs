@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use asmotion_coordinator::{CycleCauses, MachineBegin, MachineOrigin, RecordedCycle};
 use asmotion_lang::Specification;
+use asmotion_lang::guards::PassedGuard;
 use asmotion_lang::machine::Machine;
 
 use super::begin::ReplayMachine;
@@ -64,6 +65,8 @@ pub struct CoordinatorReplay {
     watch: Option<LocationWatch>,
     counts: ReplayCounts,
     difference: Option<StepDifference>,
+    /// The guards on the way to the update that is different.
+    guards: Vec<PassedGuard>,
     /// What an edited specification could not be given, with the first step.
     notes: BTreeMap<String, u64>,
 }
@@ -83,6 +86,7 @@ impl CoordinatorReplay {
             watch,
             counts: ReplayCounts::default(),
             difference: None,
+            guards: Vec::new(),
             notes: BTreeMap::new(),
         }
     }
@@ -143,6 +147,7 @@ impl CoordinatorReplay {
             cause: Vec::new(),
             is_altered: true,
             kind: DifferenceKind::Missing,
+            guards: Vec::new(),
         });
     }
 
@@ -192,6 +197,7 @@ impl CoordinatorReplay {
             cause: cycle.cause.clone(),
             is_altered: !step.is_intact,
             kind,
+            guards: std::mem::take(&mut self.guards),
         });
         self.chain.resume(&step.hashes.hash);
     }
@@ -258,13 +264,7 @@ impl CoordinatorReplay {
         if let Some(known) = self.specifications.get(&key) {
             return Ok(Rc::clone(known));
         }
-        let sources = texts.of(begin)?;
-        let path = begin.sources.first().map_or("", |source| &*source.path);
-        let opened = asmotion_lang::open(path, &sources);
-        let opened = opened.map_err(|failure| ReplayFailure::Specification {
-            reason: failure.to_string(),
-        })?;
-        let opened = Rc::new(opened);
+        let opened = Rc::new(texts.open(begin)?);
         self.specifications.insert(key, Rc::clone(&opened));
         Ok(opened)
     }
@@ -289,6 +289,8 @@ impl CoordinatorReplay {
         if !unfit.is_empty() && !is_edited {
             return Some(DifferenceKind::Unfit { texts: unfit });
         }
+        // with the messages of the step, for an account of it
+        let ready = is_edited.then(|| own.machine.clone());
         let mut chooser = RecordedChooser::new(&cycle.choices);
         let steps = own.machine.steps();
         let stepped = own
@@ -307,12 +309,13 @@ impl CoordinatorReplay {
         if let (Some(watch), Some(before)) = (&mut self.watch, before) {
             watch.note_step(before, prepared, cycle);
         }
-        if is_edited {
+        if let Some(ready) = ready {
             self.note(&unfit, &chooser, own, cycle.number);
             self.chain.resume(&step.hashes.hash);
-            return self
-                .pair(cycle, &replayed, own)
-                .effects(&self.new_functions, false);
+            let pair = self.pair(cycle, &replayed, own);
+            let found = pair.effects(&self.new_functions, false)?;
+            self.guards = own.guards(&ready, &found);
+            return Some(found);
         }
         self.difference_from(step, &replayed, own)
     }

@@ -1,6 +1,7 @@
 //! The first difference between a recorded step and its repetition.
 
 use asmotion_coordinator::{ChoiceRecord, ReadLocation};
+use asmotion_lang::guards::PassedGuard;
 
 /// The first step in which a replay differs from its recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,6 +16,8 @@ pub struct StepDifference {
     pub is_altered: bool,
     /// The first difference in the step.
     pub kind: DifferenceKind,
+    /// The guards on the way to the update of an edited specification, outermost first.
+    pub guards: Vec<PassedGuard>,
 }
 
 /// The first difference in a step. `None` stands for what exists on one side only.

@@ -17,6 +17,7 @@ mod explanation;
 mod failure;
 mod files;
 mod inputs;
+mod machines;
 mod sources;
 
 pub use coordinator::{CoordinatorReplay, ReplayCounts, ReplayOptions};
@@ -24,4 +25,5 @@ pub use difference::{DifferenceKind, StepDifference, WrittenValue};
 pub use explanation::{InputChange, LocationWriter};
 pub use failure::ReplayFailure;
 pub use files::{RunFiles, RunItems};
+pub use machines::{RecordedMachine, RecordedMachines};
 pub use sources::SourceTexts;

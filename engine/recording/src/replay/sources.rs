@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use asmotion_coordinator::MachineBegin;
-use asmotion_lang::Loader;
 use asmotion_lang::diagnostics::LoadError;
+use asmotion_lang::{Loader, Specification};
 
 use super::failure::ReplayFailure;
 
@@ -28,11 +28,24 @@ impl SourceTexts {
         }
     }
 
+    /// Opens the specification of a machine.
+    ///
+    /// # Errors
+    /// A text is not attached, or the specification has errors.
+    pub(super) fn open(&self, begin: &MachineBegin) -> Result<Specification, ReplayFailure> {
+        let sources = self.of(begin)?;
+        let path = begin.sources.first().map_or("", |source| &*source.path);
+        let opened = asmotion_lang::open(path, &sources);
+        opened.map_err(|failure| ReplayFailure::Specification {
+            reason: failure.to_string(),
+        })
+    }
+
     /// Returns the files of a machine.
     ///
     /// # Errors
     /// A text is not attached.
-    pub(super) fn of(&self, begin: &MachineBegin) -> Result<RecordedSources, ReplayFailure> {
+    fn of(&self, begin: &MachineBegin) -> Result<RecordedSources, ReplayFailure> {
         let mut texts = BTreeMap::new();
         for source in &begin.sources {
             let text = self.texts.get(&source.hash);
@@ -47,7 +60,7 @@ impl SourceTexts {
 
 /// The files of a specification under the paths that they had in the run.
 #[derive(Debug)]
-pub(super) struct RecordedSources {
+struct RecordedSources {
     texts: BTreeMap<PathBuf, Arc<str>>,
 }
 
