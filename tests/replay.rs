@@ -478,6 +478,20 @@ fn a_recording_that_another_program_has_changed_is_different() {
             .contains("could not be compared"),
         "{one}"
     );
+    let (code, objects) = change("frozen");
+    let one = coordinator(&objects);
+    assert_eq!(
+        (code, &one["result"]),
+        (Some(2), &"unusable".into()),
+        "{one}"
+    );
+    assert!(
+        one["reason"]
+            .as_str()
+            .unwrap()
+            .contains("continued from a frozen state"),
+        "{one}"
+    );
     // a file of another program has none of our facts
     let (code, objects) = change("foreign");
     assert_eq!(

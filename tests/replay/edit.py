@@ -1,7 +1,8 @@
 """Copies a recording with the package `mcap`, which shares no code with asmotion, and changes the steps of a coordinator.
 
 `edit.py FROM TO MODE`, where MODE is `value` (the value of an update is another one), `forge` (the same, and all hashes are
-computed again), `remove` (a step is missing), `lose` (the same, and it is counted as lost) or `foreign` (a file of another program)."""
+computed again), `remove` (a step is missing), `lose` (the same, and it is counted as lost), `frozen` (the first step continues from a
+frozen state) or `foreign` (a file of another program)."""
 import hashlib, json, sys
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader
@@ -56,6 +57,8 @@ with open(source, "rb") as file, open(target, "wb") as out:
                             before = json.loads(data)["updates"]
                             after = next(it["after"] for it in before if it["location"] == "mode")
                             data = data.replace(f'"after":"{after}"'.encode(), b'"after":"STOPPING"')
+                if mode == "frozen":
+                    data = data.replace(b'"kind":"initial"', b'"kind":"frozen"')
                 if mode == "forge":
                     data = linked(data, topic)
             writer.add_message(

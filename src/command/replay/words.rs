@@ -1,5 +1,6 @@
 //! Differences and explanations in words.
 
+use asmotion_coordinator::{ChoiceRecord, ReadLocation};
 use asmotion_recording::{DifferenceKind, StepDifference, WrittenValue};
 
 use crate::show;
@@ -28,87 +29,12 @@ pub type Line = (&'static str, String);
 /// The difference in a few lines.
 pub fn difference(difference: &StepDifference) -> Vec<Line> {
     let mut lines = vec![("cause", cause(&difference.cause))];
-    let mut both = |what: String, recorded: String, replayed: String| {
+    if let Some(what) = subject(difference) {
         lines.push(("what", what));
+    }
+    if let Some((recorded, replayed)) = sides(difference) {
         lines.push(("recorded", recorded));
         lines.push(("replay", replayed));
-    };
-    match &difference.kind {
-        DifferenceKind::Altered if difference.is_altered => {}
-        DifferenceKind::Altered => lines.push((
-            "what",
-            "a part of the record that this version of asmotion does not know".to_owned(),
-        )),
-        DifferenceKind::Unfit { texts } => lines.push((
-            "what",
-            format!(
-                "`{}` does not fit the recorded specification",
-                texts.join("`, `")
-            ),
-        )),
-        DifferenceKind::Number { replayed } => both(
-            "number of the step".to_owned(),
-            difference.number.to_string(),
-            replayed.to_string(),
-        ),
-        DifferenceKind::Begin {
-            location,
-            recorded,
-            replayed,
-        } => both(
-            format!("`{location}` at the beginning of the machine"),
-            recorded.clone(),
-            replayed.clone(),
-        ),
-        DifferenceKind::Update {
-            location,
-            recorded,
-            replayed,
-        } => both(
-            format!("update of `{location}`"),
-            written(recorded.as_ref(), replayed.as_ref()),
-            written(replayed.as_ref(), recorded.as_ref()),
-        ),
-        DifferenceKind::Fault { recorded, replayed } => both(
-            "failure".to_owned(),
-            fault(recorded.as_ref()),
-            fault(replayed.as_ref()),
-        ),
-        DifferenceKind::Extended { recorded, replayed } => {
-            both(
-                "new element".to_owned(),
-                or_none(recorded),
-                or_none(replayed),
-            );
-        }
-        DifferenceKind::Sent { recorded, replayed } => {
-            both(
-                "message sent".to_owned(),
-                or_none(recorded),
-                or_none(replayed),
-            );
-        }
-        DifferenceKind::Read { recorded, replayed } => {
-            let shown = |read: &Option<asmotion_coordinator::ReadLocation>| {
-                or_none(
-                    &read
-                        .as_ref()
-                        .map(|it| format!("{} = {}", it.location, it.value)),
-                )
-            };
-            both("input read".to_owned(), shown(recorded), shown(replayed));
-        }
-        DifferenceKind::Choice { recorded, replayed } => {
-            let shown = |choice: &Option<asmotion_coordinator::ChoiceRecord>| {
-                let text = choice.map(|it| format!("candidate {} of {}", it.index + 1, it.of));
-                or_none(&text)
-            };
-            both("choice".to_owned(), shown(recorded), shown(replayed));
-        }
-        DifferenceKind::Missing => lines.push((
-            "what",
-            "steps are missing, and the recording counts none as lost".to_owned(),
-        )),
     }
     let guards = difference.guards.iter();
     lines.extend(guards.map(|guard| ("because", show::guard(guard))));
@@ -117,6 +43,66 @@ pub fn difference(difference: &StepDifference) -> Vec<Line> {
         lines.push(("record", text.to_owned()));
     }
     lines
+}
+
+/// What is different.
+fn subject(difference: &StepDifference) -> Option<String> {
+    Some(match &difference.kind {
+        DifferenceKind::Altered if difference.is_altered => return None,
+        DifferenceKind::Altered => {
+            "a part of the record that this version of asmotion does not know".to_owned()
+        }
+        DifferenceKind::Unfit { texts } => {
+            let texts = texts.join("`, `");
+            format!("`{texts}` does not fit the recorded specification")
+        }
+        DifferenceKind::Number { .. } => "number of the step".to_owned(),
+        DifferenceKind::Begin { location, .. } => {
+            format!("`{location}` at the beginning of the machine")
+        }
+        DifferenceKind::Update { location, .. } => format!("update of `{location}`"),
+        DifferenceKind::Fault { .. } => "failure".to_owned(),
+        DifferenceKind::Extended { .. } => "new element".to_owned(),
+        DifferenceKind::Sent { .. } => "message sent".to_owned(),
+        DifferenceKind::Read { .. } => "input read".to_owned(),
+        DifferenceKind::Choice { .. } => "choice".to_owned(),
+        DifferenceKind::Missing => {
+            "steps are missing, and the recording counts none as lost".to_owned()
+        }
+    })
+}
+
+/// What is recorded, and what the replay has instead.
+fn sides(difference: &StepDifference) -> Option<(String, String)> {
+    let of_read = |read: &ReadLocation| format!("{} = {}", read.location, read.value);
+    let of_choice = |it: &ChoiceRecord| format!("candidate {} of {}", it.index + 1, it.of);
+    match &difference.kind {
+        DifferenceKind::Altered | DifferenceKind::Unfit { .. } | DifferenceKind::Missing => None,
+        DifferenceKind::Number { replayed } => {
+            Some((difference.number.to_string(), replayed.to_string()))
+        }
+        DifferenceKind::Begin {
+            recorded, replayed, ..
+        } => Some((recorded.clone(), replayed.clone())),
+        DifferenceKind::Update {
+            recorded, replayed, ..
+        } => {
+            let (recorded, replayed) = (recorded.as_ref(), replayed.as_ref());
+            Some((written(recorded, replayed), written(replayed, recorded)))
+        }
+        DifferenceKind::Fault { recorded, replayed }
+        | DifferenceKind::Extended { recorded, replayed }
+        | DifferenceKind::Sent { recorded, replayed } => Some((
+            shown(recorded, String::clone),
+            shown(replayed, String::clone),
+        )),
+        DifferenceKind::Read { recorded, replayed } => {
+            Some((shown(recorded, of_read), shown(replayed, of_read)))
+        }
+        DifferenceKind::Choice { recorded, replayed } => {
+            Some((shown(recorded, of_choice), shown(replayed, of_choice)))
+        }
+    }
 }
 
 /// An update; without one, the value that the location keeps.
@@ -138,10 +124,6 @@ fn written(update: Option<&WrittenValue>, other: Option<&WrittenValue>) -> Strin
     }
 }
 
-fn fault(fault: Option<&String>) -> String {
-    fault.cloned().unwrap_or_else(|| "none".to_owned())
-}
-
-fn or_none(text: &Option<String>) -> String {
-    text.clone().unwrap_or_else(|| "none".to_owned())
+fn shown<T>(side: &Option<T>, text: impl Fn(&T) -> String) -> String {
+    side.as_ref().map_or_else(|| "none".to_owned(), text)
 }
