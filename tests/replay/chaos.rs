@@ -176,6 +176,7 @@ fn d3_random_missions_with_faults_repeat_to_equal_hashes() {
         counts.sum::<u64>()
     };
     let total = objects.last().unwrap();
+    eprintln!("{total}");
     assert_eq!(total["recordings"], missions, "{total}");
     assert!(total["steps"].as_u64().unwrap() > missions * 100, "{total}");
     // coordinators began again
