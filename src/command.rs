@@ -18,6 +18,8 @@ mod port;
 #[cfg(feature = "amqp")]
 mod reconfigure;
 mod repl;
+#[cfg(feature = "mcap")]
+mod replay;
 #[cfg(feature = "ros")]
 mod ros;
 mod run;
@@ -40,9 +42,21 @@ mod without;
 pub use demo::BLOCKED_CORRIDOR;
 pub use without::mark;
 
-#[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
+#[cfg(not(all(
+    feature = "amqp",
+    feature = "mcap",
+    feature = "ros",
+    feature = "scdl",
+    feature = "tui"
+)))]
 use crate::feature;
-#[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
+#[cfg(not(all(
+    feature = "amqp",
+    feature = "mcap",
+    feature = "ros",
+    feature = "scdl",
+    feature = "tui"
+)))]
 use without::Without;
 
 /// The commands for a running system.
@@ -70,6 +84,11 @@ mod live {
     pub type Shell = Without<Amqp>;
     pub type Topic = Without<Amqp>;
 }
+
+#[cfg(feature = "mcap")]
+use replay::Replay;
+#[cfg(not(feature = "mcap"))]
+type Replay = Without<feature::Mcap>;
 
 #[cfg(feature = "ros")]
 use ros::Ros;
@@ -126,6 +145,8 @@ pub enum Command {
     Verify(Box<verify::Verify>),
     /// Steps a specification interactively: sets inputs, evaluates terms, undoes steps
     Repl(repl::Repl),
+    /// Repeats the steps of recorded coordinators, and compares them with the recording
+    Replay(Replay),
     /// Runs scenarios and missions
     Test(test::Test),
     /// Lists, shows and publishes messages of topics on a broker
@@ -165,6 +186,7 @@ impl Command {
             Self::Sim(sim) => sim.run(terminal),
             Self::Verify(verify) => verify.run(build, terminal),
             Self::Repl(repl) => repl.run(terminal),
+            Self::Replay(replay) => replay.run(build, terminal),
             Self::Test(test) => test.run(build, terminal),
             Self::Topic(topic) => topic.run(build, terminal),
             Self::Component(component) => component.run(build, terminal),

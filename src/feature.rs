@@ -19,7 +19,7 @@ pub struct Dashboard;
 /// Services over HTTP: gateways of composites, and wires to other systems.
 pub struct Http;
 
-/// Recordings in MCAP: `run --record FILE.mcap` and `[deploy] record`.
+/// Recordings in MCAP: `run --record FILE.mcap`, `[deploy] record` and `replay`.
 pub struct Mcap;
 
 /// ROS: the built-in `ros-bridge`, `ros types`, `ros list` and `ros echo`.

@@ -42,6 +42,7 @@ pub mod top;
 pub mod trace;
 mod transport;
 mod verification;
+mod xml;
 
 pub use app::{App, AppCommand};
 pub use broker::{AddedBroker, BrokerSettings};

@@ -1,6 +1,7 @@
-//! Steps as JSON.
+//! Steps as JSON, and guards in words.
 
 use asmotion_lang::Step;
+use asmotion_lang::guards::PassedGuard;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate;
 use serde_json::{Map, Value, json};
@@ -38,4 +39,28 @@ pub fn step_json(machine: &Machine, step: &Step<'_>) -> Value {
         "inputs": inputs, "choices": choices, "updates": updates, "printed": step.printed(),
         "sent": sent,
     })
+}
+
+/// A guard with the values that it read.
+pub fn guard(guard: &PassedGuard) -> String {
+    let PassedGuard {
+        text,
+        holds,
+        values,
+        ..
+    } = guard;
+    let text = if *holds {
+        format!("`{text}`")
+    } else {
+        format!("not `{text}`")
+    };
+    let values = values
+        .iter()
+        .map(|(name, value)| format!("{name} = {value}"));
+    let values: Vec<_> = values.collect();
+    if values.is_empty() {
+        text
+    } else {
+        format!("{text}, with {}", values.join(", "))
+    }
 }

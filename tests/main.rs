@@ -44,6 +44,7 @@ mod programs_cpp;
 mod reconfigure;
 mod recording;
 mod repl;
+mod replay;
 mod returns;
 mod robots;
 mod ros;

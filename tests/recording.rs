@@ -12,7 +12,7 @@ use serde_json::Value;
 const PACKAGE: &str = "mcap==1.3.0";
 
 /// Returns a Python with the package in `target/mcap`, installed if it is missing.
-fn python() -> Option<PathBuf> {
+pub(super) fn python() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/mcap/venv");
     let python = folder.join("bin/python");
     let has_package = || {
@@ -249,7 +249,7 @@ fn a_recording_on_a_full_disk_is_incomplete_and_the_mission_goes_on() {
 }
 
 /// The composite of the navigation with a recording of its own.
-fn recorded(folder: &Path, record: &str) -> PathBuf {
+pub(super) fn recorded(folder: &Path, record: &str) -> PathBuf {
     let base = navigation();
     let text = format!(
         "schema = \"composite/1\"\nbase = \"{}\"\n[deploy]\nrecord = {{ {record} }}\n",

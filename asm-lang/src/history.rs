@@ -1,5 +1,6 @@
 //! A session with undo, which also records the last writer of each location.
 
+use crate::guards::PassedGuard;
 use crate::session::Session;
 use asmotion_diagnostics::Report;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
@@ -278,6 +279,42 @@ impl History {
             .state()
             .slot(machine.program(), function, arguments)?;
         self.present.written.get(&slot)
+    }
+
+    /// Returns the guards on the way to the last write of a location, outermost first; none unless a step wrote it.
+    pub fn guards(&mut self, function: FunctionId, arguments: &[Value]) -> Vec<PassedGuard> {
+        let written = self.written(function, arguments).map(|it| it.event);
+        let is_step = |number: &usize| self.events.get(*number) == Some(&HistoryEvent::Step);
+        let Some(number) = written.filter(is_step) else {
+            return Vec::new();
+        };
+        let events = self.events.get(number..).unwrap_or_default().to_vec();
+        self.go_to(number);
+        let before = self.session.machine.clone();
+        let mut guards = Vec::new();
+        for (index, event) in events.into_iter().enumerate() {
+            // an event that failed fails again, and is part of the history
+            let _ = self.happen(event);
+            if index == 0 {
+                guards = self.guards_of_last_step(&before, function, arguments);
+            }
+        }
+        guards
+    }
+
+    /// The guards on the way to the update of a location in the last step.
+    fn guards_of_last_step(
+        &self,
+        before: &Machine,
+        function: FunctionId,
+        arguments: &[Value],
+    ) -> Vec<PassedGuard> {
+        let Session {
+            machine,
+            specification,
+            ..
+        } = &self.session;
+        specification.guards_of_update(machine, before, function, arguments)
     }
 
     /// Undoes up to `count` events; returns how many were undone.

@@ -23,6 +23,7 @@ pub mod coverage;
 mod explain;
 mod files;
 mod foreign;
+pub mod guards;
 mod history;
 pub mod scenario;
 mod session;

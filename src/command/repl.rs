@@ -1,5 +1,7 @@
 //! `asmotion repl`: interactive simulation of a specification.
 
+#[cfg(feature = "mcap")]
+mod recorded;
 mod save;
 mod session;
 mod verb;
@@ -18,13 +20,22 @@ use verb::VERBS;
 /// Steps a specification interactively: sets inputs, evaluates terms, undoes steps, finds the writer of a location.
 #[derive(Args)]
 pub struct Repl {
-    /// Specification file
-    spec: String,
+    /// Specification file [default: the one in the recording]
+    #[arg(required_unless_present = "from")]
+    spec: Option<String>,
 
-    /// Starts with the steps of a trace, of `asmotion verify`, `asmotion sim` or `asmotion run`: `step` repeats the next one, `undo`
-    /// goes back
-    #[arg(long, value_name = "TRACE")]
+    /// Starts with the steps of a recording (`run --record FILE.mcap`), or of a trace of `asmotion verify`, `asmotion sim` or
+    /// `asmotion run`: `step` repeats the next one, `undo` goes back
+    #[arg(long, value_name = "FILE")]
     from: Option<String>,
+
+    /// Coordinator whose steps are repeated, if a recording has several
+    #[arg(long, value_name = "NAME", requires = "from")]
+    component: Option<String>,
+
+    /// Machine whose steps are repeated, from 1, if the coordinator began again during the run
+    #[arg(long, value_name = "NUMBER", requires = "from", default_value_t = 1)]
+    machine: usize,
 
     /// Uses random values for inputs that are not set; without this option they are undef
     #[arg(long)]
@@ -38,14 +49,13 @@ pub struct Repl {
 impl Repl {
     /// Reads and executes commands until the end of input.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        let session = asmotion_lang::open(&self.spec, &DiskLoader).and_then(Session::new);
-        let session = match session {
-            Ok(session) => session,
-            Err(OpenFailure { report, sources }) => {
-                terminal.report(&report, &sources);
-                terminal.error(count(&report).unwrap_or_default());
-                return Exit::refused(&self.spec);
-            }
+        let ReplStart {
+            path,
+            session,
+            recording,
+        } = match self.start(terminal) {
+            Ok(start) => start,
+            Err(exit) => return exit,
         };
         let mut prompt = match Prompt::new(VERBS, "_$", "repl_history") {
             Ok(prompt) => prompt,
@@ -55,17 +65,8 @@ impl Repl {
             }
         };
         prompt.set_names(names(&session));
-        let history = match &self.from {
-            None => History::new(session, self.seed, self.random),
-            Some(path) => match recording(path) {
-                Ok(recording) => History::of_recording(session, self.seed, self.random, recording),
-                Err(error) => {
-                    terminal.error(error);
-                    return Exit::Usage;
-                }
-            },
-        };
-        let mut talk = ReplSession::new(self.spec, self.seed, history);
+        let history = History::of_recording(session, self.seed, self.random, recording);
+        let mut talk = ReplSession::new(path, self.seed, history);
         talk.print_banner(terminal);
         loop {
             match prompt.read(&talk.prompt()) {
@@ -81,6 +82,57 @@ impl Repl {
         prompt.save_history();
         Exit::Ok
     }
+
+    /// Opens the specification, and the recording or trace.
+    fn start(&self, terminal: &mut TerminalOutput) -> Result<ReplStart, Exit> {
+        #[cfg(feature = "mcap")]
+        if let Some(files) = self.from.as_deref().and_then(recorded::files) {
+            return self.of_recording(&files, terminal);
+        }
+        let usage = |error: String, terminal: &mut TerminalOutput| {
+            terminal.error(error);
+            Exit::Usage
+        };
+        let recording = match &self.from {
+            None => Recording::default(),
+            Some(path) => recording(path).map_err(|error| usage(error, terminal))?,
+        };
+        let Some(path) = self.spec.clone() else {
+            let from = self.from.as_deref().unwrap_or_default();
+            let error = format!(
+                "`{from}` is a trace: name its specification, as in `asmotion repl SPEC --from {from}`"
+            );
+            return Err(usage(error, terminal));
+        };
+        if self.component.is_some() || self.machine != 1 {
+            let error = "`--component` and `--machine` select from a recording (`.mcap`)";
+            return Err(usage(error.to_owned(), terminal));
+        }
+        let session = asmotion_lang::open(&path, &DiskLoader).and_then(Session::new);
+        let session = session.map_err(|failure| refused(failure, &path, terminal))?;
+        Ok(ReplStart {
+            path,
+            session,
+            recording,
+        })
+    }
+}
+
+/// The beginning of a session.
+struct ReplStart {
+    /// Path of the specification.
+    path: String,
+    session: Session,
+    /// The steps that are repeated; none without a recording.
+    recording: Recording,
+}
+
+/// Prints why a specification cannot be opened.
+fn refused(failure: OpenFailure, path: &str, terminal: &mut TerminalOutput) -> Exit {
+    let OpenFailure { report, sources } = failure;
+    terminal.report(&report, &sources);
+    terminal.error(count(&report).unwrap_or_default());
+    Exit::refused(path)
 }
 
 /// Reads the steps of a trace.

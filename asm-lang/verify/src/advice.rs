@@ -3,13 +3,13 @@
 
 use crate::decisions::Decisions;
 use crate::explore::{Exploration, Truths};
-use crate::guards::{on_one_line, rule_with};
 use crate::inputs::MAX_VALUES;
 use crate::observer::OBSERVER;
 use crate::preparation::Prepared;
 use crate::system::VerifiedMachine;
 use crate::transition::TransitionSystem;
 use asmotion_diagnostics::Span;
+use asmotion_lang::guards::{on_one_line, rule_with};
 use asmotion_lang::hir::{FunctionKind, Meaning, RuleKind};
 use asmotion_lang::ir::{CoveragePoint, FunctionId, Origin};
 use asmotion_lang::{Machine, Value};

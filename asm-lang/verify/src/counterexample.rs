@@ -4,10 +4,10 @@ use crate::decisions::{Decision, Decisions};
 use crate::explore::Exploration;
 use crate::exported_value::ExportedValue;
 use crate::fair_moves::{CountsBefore, FairMoves, MovedSet};
-use crate::guards::{RunGuard, chosen_variables, guards_of};
 use crate::system::VerifiedMachine;
 use crate::transition::{MachineFault, TransitionSystem};
 use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_lang::guards::{PassedGuard, chosen_variables, guards_of};
 use asmotion_lang::ir::Slot;
 use asmotion_lang::simulate::{Trace, location, sent};
 use asmotion_lang::{Machine, Value};
@@ -89,7 +89,7 @@ pub struct RunUpdate {
     /// Place of the update rule.
     pub place: Span,
     /// The guards on the way to the update rule, outermost first.
-    pub guards: Vec<RunGuard>,
+    pub guards: Vec<PassedGuard>,
 }
 
 /// A path through the nodes of an exploration.

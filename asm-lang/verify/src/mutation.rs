@@ -1,8 +1,8 @@
 //! Mutants of a specification: copies with one small fault, as edits of its text. A property that holds for the specification and
 //! is violated by a mutant *kills* it; mutants that survive show what the properties do not say.
 
-use crate::guards::on_one_line;
 use asmotion_diagnostics::Span;
+use asmotion_lang::guards::on_one_line;
 use asmotion_lang::hir::{DomainKind, Model, RuleKind, RuleTerm, Term, TermKind};
 use asmotion_lang::{Specification, Value};
 

@@ -57,11 +57,15 @@ impl CycleRecorder {
         if let Some(from) = self.begin.clone() {
             replaced.push(machine_begin(from, specification, machine, agents));
         }
+        // the new machine has the messages of a predecessor that has made a step, and nothing of another one
+        let messages = match machine.steps() {
+            0 => Vec::new(),
+            _ => self.messages.clone(),
+        };
         Self {
             replaced,
             begin: Some(origin),
-            // they have reached the predecessor, whose messages the new machine has
-            messages: self.messages.clone(),
+            messages,
             ..Self::default()
         }
     }

@@ -7,15 +7,23 @@
 //! recorded, in a column that ends in `.count`.
 //!
 //! **As MCAP** (feature `mcap`): messages, calls, events, and every step of every coordinator with what it takes to repeat it. See
-//! `RunRecorder`.
+//! `RunRecorder`; `CoordinatorReplay` repeats these steps.
 
 mod pattern;
 mod read;
+#[cfg(feature = "mcap")]
+mod replay;
 #[cfg(feature = "mcap")]
 mod run;
 mod write;
 
 pub use read::{RecordingError, read_samples};
+#[cfg(feature = "mcap")]
+pub use replay::{
+    CoordinatorReplay, DifferenceKind, InputChange, LocationWriter, RecordedMachine,
+    RecordedMachines, ReplayCounts, ReplayFailure, ReplayOptions, RunFiles, RunItems, SourceTexts,
+    StepDifference, WrittenValue,
+};
 #[cfg(feature = "mcap")]
 pub use run::{
     ChainedCycle, CoordinatorEnd, FileEnd, Overflow, RecorderOptions, RecordingEnd,

@@ -3,6 +3,7 @@
 use super::save;
 use super::verb::{VERBS, split};
 use crate::prompt;
+use crate::show;
 use crate::terminal::{FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_lang::ir::{AddedTerm, FunctionId, FunctionKind};
 use asmotion_lang::{History, HistoryEvent, LastWrite, Machine, Report, Value, simulate};
@@ -264,6 +265,7 @@ impl ReplSession {
     ) -> Result<(), Report> {
         let (function, arguments) = self.history.location(location)?;
         let location = simulate::applied(self.machine(), function, &arguments);
+        let guards = self.history.guards(function, &arguments);
         let Some(written) = self.history.written(function, &arguments) else {
             terminal.result(format_args!(
                 "`{location}` has its initial value: nothing has written it"
@@ -303,6 +305,9 @@ impl ReplSession {
                 sources.snippet(place),
                 sources.path(place.file)
             ));
+        }
+        for guard in &guards {
+            terminal.result(format_args!("  because {}", show::guard(guard)));
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Writes a JUnit report for Jenkins and GitLab.
 
-use std::fmt::{self, Display, Write};
+use std::fmt::{self, Display};
 use std::path::Path;
 
 use asmotion_lang::simulate::scenario::Verdict;
@@ -9,6 +9,7 @@ use asmotion_lang::{Style, render_all};
 use super::result::{TestEnd, TestResult};
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
+use crate::xml::Escaped;
 
 /// Writes the report: one suite with a case for each scenario.
 pub fn write(file: &Path, results: &[TestResult], terminal: &mut TerminalOutput) -> Exit {
@@ -76,36 +77,4 @@ fn case(result: &TestResult, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         Escaped(result.end.word()),
         Escaped(&findings)
     )
-}
-
-/// Escapes a text for XML 1.0 content or attributes. Control characters, which XML 1.0 does not allow, are left out.
-struct Escaped<'a>(&'a str);
-
-impl Display for Escaped<'_> {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for letter in self.0.chars() {
-            match letter {
-                '&' => to.write_str("&amp;")?,
-                '<' => to.write_str("&lt;")?,
-                '>' => to.write_str("&gt;")?,
-                '"' => to.write_str("&quot;")?,
-                '\t' | '\n' | '\r' => to.write_char(letter)?,
-                '\0'..' ' | '\u{fffe}' | '\u{ffff}' => {}
-                _ => to.write_char(letter)?,
-            }
-        }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_text_can_stand_in_xml() {
-        let text = "a < b && c > \"d\"\n\u{1b}[1mbold\u{0}é";
-        let escaped = "a &lt; b &amp;&amp; c &gt; &quot;d&quot;\n[1mboldé";
-        assert_eq!(Escaped(text).to_string(), escaped);
-    }
 }

@@ -2,7 +2,8 @@
 
 use super::interrupt;
 use super::words::{is_qualified, kind, machine_name, place_in, verdict};
-use asmotion_verify::{AdviceKind, Incomplete, Run, RunGuard, Verification, VerifiedMachine};
+use asmotion_lang::guards::PassedGuard;
+use asmotion_verify::{AdviceKind, Incomplete, Run, Verification, VerifiedMachine};
 use serde_json::{Value, json};
 use std::time::Duration;
 
@@ -105,7 +106,7 @@ fn run_json(run: &Run, machines: &[VerifiedMachine]) -> Value {
             .map(|(key, value)| (key.clone(), Value::from(value.clone())));
         Value::Object(pairs.collect())
     };
-    let guard = |guard: &RunGuard| json!({ "text": guard.text, "holds": guard.holds, "values": object(&guard.values) });
+    let guard = |guard: &PassedGuard| json!({ "text": guard.text, "holds": guard.holds, "values": object(&guard.values) });
     let steps = run.steps.iter().map(|step| {
         let choices = step.choices.iter().map(|choice| {
             let place = place_in(machines, step.machine, choice.place);

@@ -2,8 +2,9 @@
 
 use super::words::{machine_name, rule_text};
 use crate::terminal::{BAD, FAINT, TerminalOutput};
+use asmotion_lang::guards::PassedGuard;
 use asmotion_lang::{Diagnostic, Sources, Specification};
-use asmotion_verify::{Run, RunChoice, RunGuard, RunStep, VerifiedMachine};
+use asmotion_verify::{Run, RunChoice, RunStep, VerifiedMachine};
 
 pub fn show_run(run: &Run, machines: &[VerifiedMachine], terminal: &mut TerminalOutput) {
     let initial: Vec<String> = run
@@ -135,7 +136,7 @@ fn choice_text(choice: &RunChoice, specification: &Specification) -> String {
 }
 
 /// A guard with the values that it read, without the inputs of the step, which are shown before, and those that its text says.
-fn guard_text(guard: &RunGuard, step: &RunStep) -> String {
+fn guard_text(guard: &PassedGuard, step: &RunStep) -> String {
     let values = guard
         .values
         .iter()
@@ -151,7 +152,7 @@ fn guard_text(guard: &RunGuard, step: &RunStep) -> String {
 }
 
 /// Returns `true` if the text of a guard that holds says the value: `mode = READY`, alone or as one of several conditions.
-fn is_said(guard: &RunGuard, (name, value): &(String, String)) -> bool {
+fn is_said(guard: &PassedGuard, (name, value): &(String, String)) -> bool {
     let is_conjunction = !OTHER_OPERATORS.iter().any(|it| guard.text.contains(it));
     if guard.text == *name {
         return *value == guard.holds.to_string();
@@ -175,7 +176,7 @@ mod tests {
     #[test]
     fn a_value_is_omitted_only_if_the_guard_says_it() {
         let says = |text: &str, holds: bool| {
-            let guard = RunGuard {
+            let guard = PassedGuard {
                 text: text.to_owned(),
                 holds,
                 values: Vec::new(),

@@ -126,6 +126,12 @@ impl StepChain {
         self.previous.to_string()
     }
 
+    /// Continues after a record with this hash, which was not linked.
+    pub fn resume(&mut self, hash: &str) {
+        // a text that is no hash has no successor
+        self.previous = ShortHash(u128::from_str_radix(hash, 16).unwrap_or_default());
+    }
+
     /// A new machine gets all inputs again; its state is that of its predecessor, or an initial one.
     fn begin(&mut self, cycle: &RecordedCycle) {
         let Some(begin) = cycle.begins.last() else {

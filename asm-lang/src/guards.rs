@@ -1,13 +1,15 @@
 //! The guards on the way to an update, with the values that they had.
 
+use crate::specification::Specification;
 use asmotion_diagnostics::Span;
-use asmotion_lang::hir::{RuleKind, RuleTerm, Term, Variable};
-use asmotion_lang::machine::{PathEntry, StepAccount};
-use asmotion_lang::{Specification, Update, Value};
+use asmotion_hir::{RuleKind, RuleTerm, Term, Variable};
+use asmotion_ir::FunctionId;
+use asmotion_machine::{Machine, PathEntry, StepAccount, Update};
+use asmotion_value::Value;
 
 /// A guard that was evaluated on the way to an update.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RunGuard {
+pub struct PassedGuard {
     /// Text of the guard on one line; for a `switch`, an equation of its subject and the case.
     pub text: String,
     /// `true` if the guard was true; `false` if the `else` branch was taken.
@@ -21,13 +23,35 @@ pub struct RunGuard {
 /// Limit for the characters of a value; longer ones are cut.
 const MAX_SHOWN: usize = 60;
 
+impl Specification {
+    /// Returns the guards on the way to the update of a location in the last step of a machine, outermost first. `before` is the
+    /// machine before that step. None if the step did not update the location, or cannot be repeated.
+    pub fn guards_of_update(
+        &self,
+        machine: &Machine,
+        before: &Machine,
+        function: FunctionId,
+        arguments: &[Value],
+    ) -> Vec<PassedGuard> {
+        let naming = machine.naming();
+        let show = |value: &Value| value.show(&naming).to_string();
+        let slot = machine.state().slot(machine.program(), function, arguments);
+        let mut updates = machine.last_step().updates().iter();
+        let update = updates.find(|update| Some(update.slot) == slot);
+        match (update, machine.account(before)) {
+            (Some(update), Some(account)) => guards_of(self, &account, update, &show),
+            (None, _) | (_, None) => Vec::new(),
+        }
+    }
+}
+
 /// Returns the guards on the way to an update, outermost first.
-pub(crate) fn guards_of(
+pub fn guards_of(
     specification: &Specification,
     account: &StepAccount,
     update: &Update,
     show: &dyn Fn(&Value) -> String,
-) -> Vec<RunGuard> {
+) -> Vec<PassedGuard> {
     let mut updates = account.updates.iter();
     let Some((_, path)) = updates.find(|(known, _)| known == update) else {
         return Vec::new();
@@ -56,7 +80,7 @@ pub(crate) fn guards_of(
 }
 
 /// Returns the rule with exactly this place for which a condition holds, and the variables of its body.
-pub(crate) fn rule_with<'a>(
+pub fn rule_with<'a>(
     specification: &'a Specification,
     span: Span,
     is_meant: &dyn Fn(&RuleKind) -> bool,
@@ -66,7 +90,7 @@ pub(crate) fn rule_with<'a>(
         let Some(body) = &rule.body else { continue };
         let root = body.root.span;
         if root.file == span.file && root.start <= span.start && span.end <= root.end {
-            asmotion_lang::ir::visit_rules(&body.root, &mut |part| {
+            asmotion_ir::visit_rules(&body.root, &mut |part| {
                 if part.span == span && is_meant(&part.kind) {
                     found = Some((part, body.variables.as_slice()));
                 }
@@ -77,7 +101,7 @@ pub(crate) fn rule_with<'a>(
 }
 
 /// Returns the variables of a `choose` rule, given its place.
-pub(crate) fn chosen_variables(specification: &Specification, place: Span) -> Vec<String> {
+pub fn chosen_variables(specification: &Specification, place: Span) -> Vec<String> {
     let is_choose = |kind: &RuleKind| matches!(kind, RuleKind::Choose(..));
     let Some((rule, variables)) = rule_with(specification, place, &is_choose) else {
         return Vec::new();
@@ -149,7 +173,7 @@ impl<'a> GuardTerm<'a> {
         specification: &Specification,
         entry: &PathEntry,
         show: &dyn Fn(&Value) -> String,
-    ) -> RunGuard {
+    ) -> PassedGuard {
         let text = |span| on_one_line(specification, span);
         let place = self.term.span;
         let mut values: Vec<(String, String)> = Vec::new();
@@ -168,7 +192,7 @@ impl<'a> GuardTerm<'a> {
             Some(case) => format!("{guard} = {}", text(case)),
             None => guard,
         };
-        RunGuard {
+        PassedGuard {
             text: guard,
             holds: self.holds,
             values,
@@ -178,7 +202,7 @@ impl<'a> GuardTerm<'a> {
 }
 
 /// Returns the text of a place with single blanks.
-pub(crate) fn on_one_line(specification: &Specification, place: Span) -> String {
+pub fn on_one_line(specification: &Specification, place: Span) -> String {
     let words: Vec<&str> = specification
         .sources
         .snippet(place)
