@@ -144,5 +144,11 @@ mod tests {
             said.contains("cargo install --path . --features symbolic`"),
             "{said}"
         );
+        let said = LeftOut::new::<Mcap>().to_string();
+        assert!(
+            said.starts_with("the recorder of runs in MCAP is not in this build: it needs")
+                && said.contains("cargo install --path . --features mcap`"),
+            "{said}"
+        );
     }
 }

@@ -313,7 +313,7 @@ impl Mission {
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
         let recorder = MissionRecorder::start(&self.recorded(), &opened, plan, &mut system);
-        let recorder = recorder.map_err(MissionError::Launch)?;
+        let mut recorder = recorder.map_err(MissionError::Launch)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             MissionClock::Wall => Box::new(system.live()),
@@ -332,7 +332,7 @@ impl Mission {
             director,
             (&watch, &story),
             stop,
-            (&mut contacts, &mut bridges, &mut dashboard),
+            (&mut contacts, &mut bridges, &mut dashboard, &mut recorder),
             &mut successor,
         );
         director.finish(run.now());
@@ -422,10 +422,11 @@ impl Mission {
         director: &mut dyn Director,
         (watch, story): (&Mutex<EndCondition>, &Mutex<Story>),
         stop: &AtomicBool,
-        (contacts, bridges, dashboard): (
+        (contacts, bridges, dashboard, recorder): (
             &mut [ProcessContact<'_>],
             &mut Bridges,
             &mut Option<OpenDashboard>,
+            &mut MissionRecorder,
         ),
         successor: &mut VersionSwitch<'_>,
     ) -> MissionOutcome {
@@ -456,6 +457,9 @@ impl Mission {
                 }
                 lock(watch).follow(&version.plan, &version.part);
                 lock(story).follow(&version.plan);
+                if let Some(opened) = successor.opened() {
+                    recorder.follow(run.now(), opened, &version.plan);
+                }
             }
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {

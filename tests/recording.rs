@@ -1,6 +1,8 @@
 //! Recordings as MCAP, read by the Python package `mcap`: what they contain, and what remains of one whose process is killed or
 //! whose disk is full.
 
+mod crossings;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};

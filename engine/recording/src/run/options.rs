@@ -99,7 +99,7 @@ impl RecordingFile {
         }
     }
 
-    /// The name of a part of a recording that is divided into several files: `run.part2.mcap`.
+    /// The name of a part of a recording whose first file is this one: `run.part2.mcap`.
     pub(super) fn part(&self, number: u32) -> Self {
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         Self::new(

@@ -26,7 +26,16 @@ pub(super) enum WriterJob {
     /// Describes the channel with this number, before its first message.
     Channel { channel: u32, about: ChannelAbout },
     /// A text to attach.
-    Attachment { name: String, text: String },
+    Attachment { text: AttachedText },
+}
+
+/// A text that belongs to a recording.
+#[derive(Clone, Debug)]
+pub(super) struct AttachedText {
+    pub name: String,
+    pub text: String,
+    /// Time of the run from which on it holds, in nanoseconds.
+    pub at_ns: u64,
 }
 
 /// The description of a channel.
@@ -45,7 +54,7 @@ impl WriterJob {
             + match self {
                 Self::Message { data, .. } => data.len(),
                 Self::Channel { about, .. } => about.schema.1.len(),
-                Self::Attachment { text, .. } => text.len(),
+                Self::Attachment { text } => text.text.len(),
             }
     }
 }

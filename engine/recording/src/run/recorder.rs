@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 
 use asmotion_component::{CallError, CallId, Time};
 use asmotion_coordinator::{FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT};
-use asmotion_datum::{Datum, Sample, json};
+use asmotion_datum::{Datum, Sample, Schema, json};
 use asmotion_runtime::{Event, Observer};
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ use super::chain::{StepChain, text_hash};
 use super::channels::{ChannelKind, ChannelTable};
 use super::event_record::{datum_json, event_record};
 use super::options::{RecorderOptions, RecordingFile};
-use super::queue::{ChannelAbout, JobQueue, WriterJob};
+use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
 use super::schemas;
 use super::writer::{RecordingEnd, RecordingFailure, RecordingWriter};
 use crate::pattern::PortPatterns;
@@ -26,8 +26,8 @@ use crate::pattern::PortPatterns;
 ///
 /// | channel | messages |
 /// |---|---|
-/// | `topic/NAME` | samples published to a topic, or arriving from outside |
-/// | `port/COMPONENT.PORT` | samples of other ports |
+/// | `topic/NAME` | samples that components publish to a topic |
+/// | `port/COMPONENT.PORT` | samples of other outputs, and samples that arrive at an input from outside |
 /// | `call/COMPONENT.REFERENCE.OPERATION` | requests, and the replies or faults that end them, with the duration |
 /// | `answer/COMPONENT.SERVICE.OPERATION` | replies of the provider |
 /// | `asm/COMPONENT/step` | steps of a coordinator, [`RecordedCycle`]s with [hashes](super::StepHashes) |
@@ -39,9 +39,13 @@ pub struct RunRecorder {
     path: PathBuf,
     queue: Arc<JobQueue>,
     counts: Arc<RecordingCounts>,
+    types: SharedTypes,
     options: RecorderOptions,
     thread: Option<JoinHandle<RecordingEnd>>,
 }
+
+/// Message types of ports and topics. They grow when the system changes, and are read when a channel begins.
+type SharedTypes = Arc<Mutex<BTreeMap<String, Schema>>>;
 
 /// Figures that the observer writes and the end of the recording states.
 #[derive(Debug, Default)]
@@ -99,6 +103,7 @@ impl RunRecorder {
             path,
             queue,
             counts,
+            types: Arc::new(Mutex::new(options.types.clone())),
             options,
             thread: Some(thread.map_err(|_| RecordingFailure::Thread)?),
         })
@@ -115,10 +120,26 @@ impl RunRecorder {
             queue: Arc::clone(&self.queue),
             counts: Arc::clone(&self.counts),
             patterns: PortPatterns::new(&self.options.ports),
+            types: Arc::clone(&self.types),
             options: self.options.clone(),
             channels: ChannelTable::default(),
             chains: BTreeMap::new(),
             calls: BTreeMap::new(),
+        }
+    }
+
+    /// Follows a system to its next version from this time on: attaches its texts, and learns the types of its ports and topics.
+    pub fn follow(
+        &self,
+        at: Time,
+        texts: BTreeMap<String, String>,
+        types: BTreeMap<String, Schema>,
+    ) {
+        locked(&self.types).extend(types);
+        for (name, text) in texts {
+            let at_ns = u64::try_from(at.nanos()).unwrap_or_default();
+            let text = AttachedText { name, text, at_ns };
+            self.queue.push_always(WriterJob::Attachment { text });
         }
     }
 
@@ -155,6 +176,7 @@ struct RecordingObserver {
     queue: Arc<JobQueue>,
     counts: Arc<RecordingCounts>,
     patterns: PortPatterns,
+    types: SharedTypes,
     options: RecorderOptions,
     channels: ChannelTable,
     /// The chain of each coordinator.
@@ -242,7 +264,8 @@ impl RecordingObserver {
 
     /// Records a sample from outside of the system: of a topic, or of a port (`Component.port`).
     fn injected(&mut self, at: Time, target: &str, sample: &dyn Sample) {
-        let is_port = target.contains('.') && !self.options.types.contains_key(&topic_key(target));
+        let is_topic = || locked(&self.types).contains_key(&topic_key(target));
+        let is_port = target.contains('.') && !is_topic();
         let (kind, channel) = if is_port {
             (ChannelKind::Port, format!("port/{target}"))
         } else {
@@ -269,7 +292,7 @@ impl RecordingObserver {
         topic: Option<&str>,
         sample: &dyn Sample,
     ) -> ChannelAbout {
-        let types = &self.options.types;
+        let types = locked(&self.types);
         let of_topic = topic.and_then(|topic| types.get(&topic_key(topic)));
         let schema = types.get(place).or(of_topic);
         ChannelAbout {
@@ -421,8 +444,12 @@ impl RecordingObserver {
         for source in sources {
             let text = std::mem::take(&mut source.text);
             source.hash = text_hash(&text);
-            let name = format!("specification/{}/{}", source.hash, source.path);
-            self.queue.push_always(WriterJob::Attachment { name, text });
+            let text = AttachedText {
+                name: format!("specification/{}/{}", source.hash, source.path),
+                text,
+                at_ns: u64::try_from(cycle.time_ns).unwrap_or_default(),
+            };
+            self.queue.push_always(WriterJob::Attachment { text });
         }
     }
 
@@ -462,6 +489,10 @@ impl RecordingObserver {
             data: text.into_bytes(),
         })
     }
+}
+
+fn locked(types: &SharedTypes) -> MutexGuard<'_, BTreeMap<String, Schema>> {
+    types.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn topic_key(topic: &str) -> String {

@@ -13,7 +13,7 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use super::chain::text_hash;
 use super::file::ChunkFile;
 use super::options::{RecorderOptions, RecordingFile};
-use super::queue::{ChannelAbout, JobQueue, WriterJob};
+use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
 
 /// Interval at which the writer looks for messages.
 const LOOK: Duration = Duration::from_millis(50);
@@ -45,7 +45,7 @@ pub enum RecordingFailure {
         reason: std::io::Error,
     },
     /// The file cannot be written.
-    #[error("cannot write `{path}`: {reason}")]
+    #[error("cannot write `{path}`: {}", written_reason(reason))]
     Write {
         /// Path of the file.
         path: String,
@@ -55,6 +55,14 @@ pub enum RecordingFailure {
     /// The thread that writes cannot be started, or has ended.
     #[error("the thread that writes the recording has failed")]
     Thread,
+}
+
+/// The reason that a file cannot be written. The error of the format has that of the operating system only as its source.
+fn written_reason(reason: &McapError) -> String {
+    match std::error::Error::source(reason) {
+        Some(cause) => cause.to_string(),
+        None => reason.to_string(),
+    }
 }
 
 /// The end of a recording.
@@ -104,7 +112,7 @@ pub(super) struct RecordingWriter {
     /// Number of the open file, from 1.
     part: u32,
     channels: BTreeMap<u32, ChannelAbout>,
-    texts: Vec<(String, String)>,
+    texts: Vec<AttachedText>,
     end: RecordingEnd,
 }
 
@@ -115,7 +123,13 @@ impl RecordingWriter {
         options: RecorderOptions,
         file: RecordingFile,
     ) -> Result<Self, RecordingFailure> {
-        let texts = options.texts.clone().into_iter().collect();
+        let texts = options.texts.clone().into_iter();
+        let texts = texts.map(|(name, text)| AttachedText {
+            name,
+            text,
+            at_ns: 0,
+        });
+        let texts = texts.collect();
         let mut writer = Self {
             queue,
             options,
@@ -126,8 +140,12 @@ impl RecordingWriter {
             texts,
             end: RecordingEnd::default(),
         };
-        let file = writer.file.clone();
-        writer.begin_file(&file)?;
+        let first = writer.file.clone();
+        writer.begin_file(&first)?;
+        // further files are named after the one that was created, whatever number it got
+        if let Some(path) = writer.path() {
+            writer.file = RecordingFile::new(path);
+        }
         Ok(writer)
     }
 
@@ -182,10 +200,10 @@ impl RecordingWriter {
                 self.channels.insert(channel, about);
                 Ok(())
             }
-            WriterJob::Attachment { name, text } => {
+            WriterJob::Attachment { text } => {
                 let epoch_ns = self.options.epoch_ns;
-                let attached = self.on_file(|open| open.attach(&name, &text, epoch_ns));
-                self.texts.push((name, text));
+                let attached = self.on_file(|open| open.attach(&text, epoch_ns));
+                self.texts.push(text);
                 attached
             }
         }
@@ -300,7 +318,7 @@ impl OpenFile {
         path: PathBuf,
         file: std::fs::File,
         facts: BTreeMap<String, String>,
-        texts: &[(String, String)],
+        texts: &[AttachedText],
         epoch_ns: u64,
     ) -> Result<Self, McapError> {
         let options = WriteOptions::new()
@@ -322,23 +340,25 @@ impl OpenFile {
             name: RUN_FACTS.to_owned(),
             metadata: facts,
         })?;
-        for (name, text) in texts {
-            open.attach(name, text, epoch_ns)?;
+        for text in texts {
+            open.attach(text, epoch_ns)?;
         }
         open.flush()?;
         Ok(open)
     }
 
     /// Attaches a text, unless the file has it.
-    fn attach(&mut self, name: &str, text: &str, epoch_ns: u64) -> Result<(), McapError> {
+    fn attach(&mut self, attached: &AttachedText, epoch_ns: u64) -> Result<(), McapError> {
+        let AttachedText { name, text, at_ns } = attached;
         if !self.attached.insert(format!("{name} {}", text_hash(text))) {
             return Ok(());
         }
         self.size += text.len() as u64;
+        let time = epoch_ns.saturating_add(*at_ns);
         self.writer.attach(&Attachment {
-            log_time: epoch_ns,
-            create_time: epoch_ns,
-            name: name.to_owned(),
+            log_time: time,
+            create_time: time,
+            name: name.clone(),
             media_type: TEXT.to_owned(),
             data: text.as_bytes().into(),
         })
@@ -388,5 +408,61 @@ impl OpenFile {
         let mut file = self.writer.into_inner().into_inner();
         let flushed = file.flush().map_err(McapError::from);
         (file.flushed(), finished.and(flushed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Writes two messages into files of this name that are divided after each of them. Returns the names of the files.
+    fn divided(path: &std::path::Path) -> Vec<String> {
+        let queue = Arc::new(JobQueue::new(crate::Overflow::Wait));
+        let about = ChannelAbout {
+            topic: "topic/go".to_owned(),
+            schema: ("Go".to_owned(), "{}".to_owned()),
+            facts: Vec::new(),
+        };
+        queue.push_always(WriterJob::Channel { channel: 1, about });
+        for sequence in 1..=2 {
+            queue.push(WriterJob::Message {
+                channel: 1,
+                at_ns: 0,
+                sequence,
+                data: b"{}".to_vec(),
+            });
+        }
+        queue.close();
+        let options = RecorderOptions {
+            rotate_bytes: Some(1),
+            ..RecorderOptions::default()
+        };
+        let writer = RecordingWriter::new(queue, options, RecordingFile::new(path));
+        let end = writer.expect("a file").run(&BTreeMap::new);
+        assert!(end.failure.is_none());
+        let names = end.paths.iter().filter_map(|path| path.file_name());
+        names
+            .map(|name| name.to_string_lossy().into_owned())
+            .collect()
+    }
+
+    #[test]
+    fn parts_are_named_after_the_file_that_was_created() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("run.mcap");
+        let first = divided(&path);
+        assert_eq!(first, ["run.mcap", "run.part2.mcap", "run.part3.mcap"]);
+        let second = divided(&path);
+        assert_eq!(
+            second,
+            ["run-2.mcap", "run-2.part2.mcap", "run-2.part3.mcap"]
+        );
+        // a part does not overwrite a file that is there by chance
+        std::fs::write(folder.path().join("run-3.part2.mcap"), "").expect("written");
+        let third = divided(&path);
+        assert_eq!(
+            third,
+            ["run-3.mcap", "run-3.part2-2.mcap", "run-3.part3.mcap"]
+        );
     }
 }
