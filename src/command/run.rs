@@ -424,6 +424,7 @@ impl MissionArguments {
     }
 
     fn apply(&self, mission: &mut Mission) -> Result<(), String> {
+        self.books.check()?;
         if let Some(seed) = self.seed {
             mission.seed = seed;
             mission.seeds_composite = true;

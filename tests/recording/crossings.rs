@@ -386,9 +386,9 @@ fn a_dashboard_changes_nothing_in_a_recording() {
         assert_eq!(code, Some(0), "{said}");
         let items = RunReader::open(&file).unwrap();
         let messages = items.filter_map(|item| match item {
-            RecordingItem::Message { channel, at, data } => Some((channel, Some(at), data)),
+            RecordingItem::Message { channel, at, data } => Some((channel, Some((at, data)), None)),
             RecordingItem::Step { component, step } => {
-                Some((component, None, step.hashes.hash.into_bytes()))
+                Some((component, None, Some(step.hashes.hash)))
             }
             RecordingItem::Text { .. } | RecordingItem::End(_) | RecordingItem::Cut(_) => None,
         });

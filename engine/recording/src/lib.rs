@@ -10,15 +10,17 @@
 //! `RunRecorder`.
 
 mod pattern;
+mod profile;
 mod read;
 #[cfg(feature = "mcap")]
 mod run;
 mod write;
 
+pub use profile::RecordingProfile;
 pub use read::{RecordingError, read_samples};
 #[cfg(feature = "mcap")]
 pub use run::{
-    ChainedCycle, CoordinatorEnd, FileEnd, Overflow, RecorderOptions, RecordingEnd,
+    ChainedCycle, CoordinatorEnd, FileEnd, MessageData, Overflow, RecorderOptions, RecordingEnd,
     RecordingFailure, RecordingFile, RecordingItem, RunReader, RunRecorder, StepChain, StepHashes,
 };
 pub use write::PortRecording;

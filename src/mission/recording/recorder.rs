@@ -112,6 +112,7 @@ impl RecordedMission<'_> {
             (Overflow::Count, now_ns)
         };
         let shared = RecorderOptions {
+            profile: self.request.profile,
             overflow,
             epoch_ns,
             facts: self.run_facts(opened, plan, now_ns),

@@ -12,14 +12,17 @@ mod chain;
 mod channels;
 mod event_record;
 mod file;
+mod message_data;
 mod options;
 mod queue;
 mod reader;
 mod recorder;
+mod ros_type;
 mod schemas;
 mod writer;
 
 pub use chain::{StepChain, StepHashes};
+pub use message_data::MessageData;
 pub use options::{Overflow, RecorderOptions, RecordingFile};
 pub use reader::{ChainedCycle, CoordinatorEnd, FileEnd, RecordingItem, RunReader};
 pub use recorder::RunRecorder;

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use asmotion_datum::Schema;
 
+use crate::profile::RecordingProfile;
+
 /// The reaction to a full queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {
@@ -27,6 +29,8 @@ pub struct RecorderOptions {
     pub steps: bool,
     /// Size at which a further file begins, in bytes.
     pub rotate_bytes: Option<u64>,
+    /// Readers of the recording.
+    pub profile: RecordingProfile,
     /// Reaction to a full queue.
     pub overflow: Overflow,
     /// Time of the beginning of the run, in nanoseconds since 1970; 0 in virtual time.
@@ -46,6 +50,7 @@ impl Default for RecorderOptions {
             calls: true,
             steps: true,
             rotate_bytes: None,
+            profile: RecordingProfile::default(),
             overflow: Overflow::Wait,
             epoch_ns: 0,
             facts: BTreeMap::new(),

@@ -17,8 +17,9 @@ use super::channels::{ChannelKind, ChannelTable};
 use super::event_record::{datum_json, event_record};
 use super::options::{RecorderOptions, RecordingFile};
 use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
+use super::ros_type::RosType;
 use super::schemas;
-use super::writer::{RecordingEnd, RecordingFailure, RecordingWriter};
+use super::writer::{PORT, RecordingEnd, RecordingFailure, RecordingWriter};
 use crate::pattern::PortPatterns;
 
 /// A recording of a run in progress. Pass [`observer`](Self::observer) to the system before it runs, and call
@@ -33,7 +34,8 @@ use crate::pattern::PortPatterns;
 /// | `asm/COMPONENT/step` | steps of a coordinator, [`RecordedCycle`]s with [hashes](super::StepHashes) |
 /// | `events` | life cycle, faults, losses, reports |
 ///
-/// All messages are JSON with a JSON Schema.
+/// Samples of types of ROS 2 are in CDR, all other messages are JSON with a JSON Schema. See
+/// [`RecordingProfile`](crate::RecordingProfile) for other readers.
 #[derive(Debug)]
 pub struct RunRecorder {
     path: PathBuf,
@@ -259,7 +261,7 @@ impl RecordingObserver {
             let about = is_wanted.then(|| self.of_messages(channel, &place, topic, sample));
             self.add_channel(kind, owner, name, about);
         }
-        self.message(at, (kind, owner, name), || sample_text(sample));
+        self.message(at, (kind, owner, name), |ros| sample_bytes(sample, ros));
     }
 
     /// Records a sample from outside of the system: of a topic, or of a port (`Component.port`).
@@ -281,7 +283,7 @@ impl RecordingObserver {
             let about = is_wanted.then(|| self.of_messages(channel, target, topic, sample));
             self.add_channel(kind, owner, name, about);
         }
-        self.message(at, (kind, owner, name), || sample_text(sample));
+        self.message(at, (kind, owner, name), |ros| sample_bytes(sample, ros));
     }
 
     /// The description of a channel of samples.
@@ -298,7 +300,7 @@ impl RecordingObserver {
         ChannelAbout {
             topic: channel,
             schema: schemas::of_messages(sample.type_name(), schema),
-            facts: vec![("from", place.to_owned())],
+            facts: vec![(PORT, place.to_owned())],
         }
     }
 
@@ -383,7 +385,9 @@ impl RecordingObserver {
             };
             self.add_channel(kind, component, name, Some(about));
         }
-        self.message(at, (kind, component, name), || Some(record.to_string()));
+        self.message(at, (kind, component, name), |_| {
+            Some(record.to_string().into_bytes())
+        });
     }
 
     fn event(&mut self, at: Time, event: &Event<'_>) {
@@ -399,7 +403,7 @@ impl RecordingObserver {
             };
             self.add_channel(place.0, place.1, place.2, Some(about));
         }
-        self.message(at, place, || Some(record.to_string()));
+        self.message(at, place, |_| Some(record.to_string().into_bytes()));
     }
 
     fn step(&mut self, at: Time, component: &str, data: &Datum) {
@@ -422,7 +426,8 @@ impl RecordingObserver {
             let chain = self.chains.get_mut(component)?;
             chain.link(&cycle).ok()
         });
-        let is_recorded = text.is_some_and(|text| self.message(at, place, || Some(text)));
+        let is_recorded =
+            text.is_some_and(|text| self.message(at, place, |_| Some(text.into_bytes())));
         let mut counts = self.counts.coordinators();
         if !counts.contains_key(component) {
             counts.insert(component.to_owned(), CoordinatorCount::default());
@@ -472,21 +477,21 @@ impl RecordingObserver {
         &mut self,
         at: Time,
         (kind, owner, name): (ChannelKind, &str, &str),
-        text: impl FnOnce() -> Option<String>,
+        data: impl FnOnce(Option<&RosType>) -> Option<Vec<u8>>,
     ) -> bool {
         let Some(place) = self.channels.next(kind, owner, name) else {
             // left out by the patterns
             return true;
         };
         self.counts.messages.fetch_add(1, Ordering::Relaxed);
-        let Some(text) = text() else {
+        let Some(data) = data(place.ros.as_deref()) else {
             return false;
         };
         self.queue.push(WriterJob::Message {
             channel: place.channel,
             at_ns: u64::try_from(at.nanos()).unwrap_or_default(),
             sequence: place.sequence,
-            data: text.into_bytes(),
+            data,
         })
     }
 }
@@ -512,6 +517,11 @@ fn sample_json(sample: &dyn Sample) -> Value {
     datum.as_ref().map(datum_json).unwrap_or_default()
 }
 
-fn sample_text(sample: &dyn Sample) -> Option<String> {
-    json::encode_datum(&sample.to_datum().ok()?).ok()
+/// A sample as a message of a channel: of a type of ROS 2, or as JSON.
+fn sample_bytes(sample: &dyn Sample, ros: Option<&RosType>) -> Option<Vec<u8>> {
+    let datum = sample.to_datum().ok()?;
+    match ros {
+        Some(of) => of.encode(datum),
+        None => json::encode_datum(&datum).ok().map(String::into_bytes),
+    }
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use asmotion_datum::Datum;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -13,7 +14,9 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use super::chain::text_hash;
 use super::file::ChunkFile;
 use super::options::{RecorderOptions, RecordingFile};
-use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
+use super::queue::{AttachedText, ChannelAbout, ChannelSchema, JobQueue, WriterJob};
+use super::ros_type::RosType;
+use crate::profile::RecordingProfile;
 
 /// Interval at which the writer looks for messages.
 const LOOK: Duration = Duration::from_millis(50);
@@ -29,6 +32,27 @@ pub(super) const RUN_FACTS: &str = "asmotion.run";
 
 /// Name of the metadata record at the end of a recording. A file without it was cut.
 pub(super) const END_FACTS: &str = "asmotion.end";
+
+/// Encoding of messages without a type of ROS.
+const JSON: &str = "json";
+
+/// Encoding of messages with a type of ROS.
+pub(super) const CDR: &str = "cdr";
+
+/// Encoding of definitions of ROS 2.
+pub(super) const ROS2_DEFINITION: &str = "ros2msg";
+
+/// Fact about a channel with a name of ROS: its own name.
+pub(super) const CHANNEL: &str = "channel";
+
+/// Fact about a channel of texts of ROS: what they are.
+pub(super) const CONTENT: &str = "content";
+
+/// Fact about a channel of samples: the port whose sample began it.
+pub(super) const PORT: &str = "from";
+
+/// Fact about a channel of texts of ROS: name of the type that they describe.
+pub(super) const TYPE: &str = "type";
 
 /// Media type of attached texts.
 const TEXT: &str = "text/plain; charset=utf-8";
@@ -55,6 +79,17 @@ pub enum RecordingFailure {
     /// The thread that writes cannot be started, or has ended.
     #[error("the thread that writes the recording has failed")]
     Thread,
+}
+
+/// The name of a channel as a topic of ROS: `/odom` for `topic/odom`, `/port/Laser/scan` for `port/Laser.scan`.
+fn ros_topic(channel: &str) -> String {
+    let name = channel.strip_prefix("topic/").unwrap_or(channel);
+    let characters = name.chars().map(|it| match it {
+        '.' => '/',
+        it if it.is_ascii_alphanumeric() || "/_".contains(it) => it,
+        _ => '_',
+    });
+    ['/'].into_iter().chain(characters).collect()
 }
 
 /// The reason that a file cannot be written. The error of the format has that of the operating system only as its source.
@@ -91,8 +126,9 @@ impl RecordingEnd {
 struct OpenFile {
     path: PathBuf,
     writer: Writer<NoSeek<ChunkFile>>,
-    /// Number of each channel in this file.
-    channels: BTreeMap<u32, u16>,
+    profile: RecordingProfile,
+    /// Channels in this file.
+    channels: BTreeMap<u32, FileChannel>,
     /// Hashes of the attached texts.
     attached: BTreeSet<String>,
     /// Bytes of messages and texts, for the size at which the next file begins.
@@ -101,6 +137,14 @@ struct OpenFile {
     flushed_size: u64,
     /// Number of messages since the last flush.
     unflushed: u64,
+}
+
+/// A channel in a file.
+#[derive(Clone)]
+struct FileChannel {
+    id: u16,
+    /// Type of the messages that contain its JSON; `None` if messages are written as they are.
+    text: Option<Arc<RosType>>,
 }
 
 /// Writes jobs to a file, and to a further one when it has reached its size.
@@ -219,16 +263,23 @@ impl RecordingWriter {
         let about = self.channels.get(&channel).cloned();
         let log_time = self.options.epoch_ns.saturating_add(at_ns);
         self.on_file(|open| {
-            let channel_id = open.channel(channel, about)?;
+            let FileChannel { id, text } = open.channel(channel, about)?;
             let header = MessageHeader {
-                channel_id,
+                channel_id: id,
                 sequence,
                 log_time,
                 publish_time: log_time,
             };
             open.size += data.len() as u64;
             open.unflushed += 1;
-            open.writer.write_to_known_channel(&header, data)
+            let Some(text) = text else {
+                return open.writer.write_to_known_channel(&header, data);
+            };
+            let message = String::from_utf8_lossy(data).into_owned();
+            let message = Datum::record([("data", Datum::Text(message))]);
+            // a text has a form in CDR
+            let message = text.encode(message).unwrap_or_default();
+            open.writer.write_to_known_channel(&header, &message)
         })?;
         self.end.messages += 1;
         let Some(open) = &self.open else {
@@ -286,13 +337,7 @@ impl RecordingWriter {
         let mut facts = self.options.facts.clone();
         facts.insert("part".to_owned(), self.part.to_string());
         facts.insert("epoch_ns".to_owned(), self.options.epoch_ns.to_string());
-        let opened = OpenFile::new(
-            path.clone(),
-            file,
-            facts,
-            &self.texts,
-            self.options.epoch_ns,
-        );
+        let opened = OpenFile::new(path.clone(), file, facts, &self.texts, &self.options);
         let opened = opened.map_err(|reason| RecordingFailure::Write {
             path: path.display().to_string(),
             reason,
@@ -319,9 +364,14 @@ impl OpenFile {
         file: std::fs::File,
         facts: BTreeMap<String, String>,
         texts: &[AttachedText],
-        epoch_ns: u64,
+        recorder: &RecorderOptions,
     ) -> Result<Self, McapError> {
+        let profile = match recorder.profile {
+            RecordingProfile::Viewers => "",
+            RecordingProfile::Ros2 => "ros2",
+        };
         let options = WriteOptions::new()
+            .profile(profile)
             .compression(None)
             // the writer ends chunks itself, with a flush
             .chunk_size(None)
@@ -329,6 +379,7 @@ impl OpenFile {
             .library(concat!("asmotion ", env!("CARGO_PKG_VERSION")));
         let mut open = Self {
             path,
+            profile: recorder.profile,
             writer: options.create(NoSeek::new(ChunkFile::new(file)))?,
             channels: BTreeMap::new(),
             attached: BTreeSet::new(),
@@ -341,7 +392,7 @@ impl OpenFile {
             metadata: facts,
         })?;
         for text in texts {
-            open.attach(text, epoch_ns)?;
+            open.attach(text, recorder.epoch_ns)?;
         }
         open.flush()?;
         Ok(open)
@@ -364,30 +415,54 @@ impl OpenFile {
         })
     }
 
-    /// The number of a channel in this file; it is described before its first message.
-    fn channel(&mut self, channel: u32, about: Option<ChannelAbout>) -> Result<u16, McapError> {
+    /// A channel in this file; it is described before its first message.
+    fn channel(
+        &mut self,
+        channel: u32,
+        about: Option<ChannelAbout>,
+    ) -> Result<FileChannel, McapError> {
         if let Some(known) = self.channels.get(&channel) {
-            return Ok(*known);
+            return Ok(known.clone());
         }
-        let Some(ChannelAbout {
+        // the recorder describes every channel before its messages
+        let unknown = || McapError::UnknownChannel(0, 0);
+        let ChannelAbout {
             topic,
-            schema: (name, schema),
+            schema,
             facts,
-        }) = about
-        else {
-            // the recorder describes every channel before its messages
-            return Err(McapError::UnknownChannel(0, 0));
+        } = about.ok_or_else(unknown)?;
+        let mut facts: BTreeMap<String, String> = facts
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect();
+        let (topic, schema, text) = match (self.profile, schema) {
+            (RecordingProfile::Viewers, schema) => (topic, schema, None),
+            (RecordingProfile::Ros2, schema) => {
+                let name = ros_topic(&topic);
+                facts.insert(CHANNEL.to_owned(), topic);
+                let (of, text) = match schema {
+                    ChannelSchema::Ros(of) => (of, None),
+                    ChannelSchema::Json(name, _) => {
+                        facts.insert(TYPE.to_owned(), name);
+                        facts.insert(CONTENT.to_owned(), JSON.to_owned());
+                        let text = Arc::new(RosType::text().ok_or_else(unknown)?);
+                        (Arc::clone(&text), Some(text))
+                    }
+                };
+                (name, ChannelSchema::Ros(of), text)
+            }
+        };
+        let (name, encoding, definition, messages) = match &schema {
+            ChannelSchema::Json(name, definition) => (name, "jsonschema", definition, JSON),
+            ChannelSchema::Ros(of) => (&of.name, ROS2_DEFINITION, &of.definition, CDR),
         };
         let schema = self
             .writer
-            .add_schema(&name, "jsonschema", schema.as_bytes())?;
-        let facts = facts.into_iter();
-        let facts = facts
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect();
-        let id = self.writer.add_channel(schema, &topic, "json", &facts)?;
-        self.channels.insert(channel, id);
-        Ok(id)
+            .add_schema(name, encoding, definition.as_bytes())?;
+        let id = self.writer.add_channel(schema, &topic, messages, &facts)?;
+        let known = FileChannel { id, text };
+        self.channels.insert(channel, known.clone());
+        Ok(known)
     }
 
     /// Finishes the chunk. The file is readable up to here, whatever happens to the process.
@@ -420,7 +495,7 @@ mod tests {
         let queue = Arc::new(JobQueue::new(crate::Overflow::Wait));
         let about = ChannelAbout {
             topic: "topic/go".to_owned(),
-            schema: ("Go".to_owned(), "{}".to_owned()),
+            schema: ChannelSchema::Json("Go".to_owned(), "{}".to_owned()),
             facts: Vec::new(),
         };
         queue.push_always(WriterJob::Channel { channel: 1, about });
