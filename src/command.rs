@@ -5,6 +5,8 @@ mod call;
 mod check;
 #[cfg(feature = "amqp")]
 mod component;
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+mod dash;
 mod demo;
 mod describe;
 #[cfg(feature = "amqp")]
@@ -40,9 +42,23 @@ mod without;
 pub use demo::BLOCKED_CORRIDOR;
 pub use without::mark;
 
-#[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
+#[cfg(not(all(
+    feature = "amqp",
+    feature = "dashboard",
+    feature = "mcap",
+    feature = "ros",
+    feature = "scdl",
+    feature = "tui"
+)))]
 use crate::feature;
-#[cfg(not(all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui")))]
+#[cfg(not(all(
+    feature = "amqp",
+    feature = "dashboard",
+    feature = "mcap",
+    feature = "ros",
+    feature = "scdl",
+    feature = "tui"
+)))]
 use without::Without;
 
 /// The commands for a running system.
@@ -70,6 +86,13 @@ mod live {
     pub type Shell = Without<Amqp>;
     pub type Topic = Without<Amqp>;
 }
+
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+use dash::Dash;
+#[cfg(not(feature = "dashboard"))]
+type Dash = Without<feature::Dashboard>;
+#[cfg(all(feature = "dashboard", not(feature = "mcap")))]
+type Dash = Without<feature::Mcap>;
 
 #[cfg(feature = "ros")]
 use ros::Ros;
@@ -100,6 +123,8 @@ pub enum Command {
     Demo(demo::Demo),
     /// Runs a composite
     Run(Box<run::Run>),
+    /// Shows a recording in a web browser
+    Dash(Dash),
     /// Starts the processes of a composite that belong to this machine, and restarts them as it prescribes
     Up(up::Up),
     /// Checks specifications, scenarios and composites without running them
@@ -152,6 +177,7 @@ impl Command {
         match self {
             Self::Demo(demo) => demo.run(build, terminal),
             Self::Run(run) => run.run(build, terminal),
+            Self::Dash(dash) => dash.run(build, terminal),
             Self::Up(up) => up.run(build, terminal),
             Self::Check(check) => check.run(build, terminal),
             Self::Describe(describe) => describe.run(build, terminal),

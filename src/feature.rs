@@ -13,7 +13,7 @@ pub trait Feature {
 /// Systems on RabbitMQ: `run --bus`, and the commands that inspect and control a running system.
 pub struct Amqp;
 
-/// The dashboard: `run --dashboard` and `demo --open`.
+/// The dashboard: `run --dashboard`, `demo --open` and, with recordings, `dash`.
 pub struct Dashboard;
 
 /// Services over HTTP: gateways of composites, and wires to other systems.

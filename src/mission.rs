@@ -15,6 +15,8 @@ mod robots;
 mod stall;
 mod version_switch;
 
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+pub(crate) use self::dashboard::dashboard_settings;
 pub use self::dashboard::{DashboardCallback, MissionDashboard};
 pub use self::director::{Director, Undirected};
 pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};

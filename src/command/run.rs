@@ -1,6 +1,6 @@
 //! `asmotion run`: runs a composite.
 
-mod dashboard;
+pub(super) mod dashboard;
 mod report;
 #[cfg(feature = "tui")]
 mod top;

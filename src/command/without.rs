@@ -1,6 +1,13 @@
 //! Commands that need a feature this build does not have.
 #![cfg_attr(
-    all(feature = "amqp", feature = "ros", feature = "scdl", feature = "tui"),
+    all(
+        feature = "amqp",
+        feature = "dashboard",
+        feature = "mcap",
+        feature = "ros",
+        feature = "scdl",
+        feature = "tui"
+    ),
     allow(dead_code, reason = "this build has all commands")
 )]
 

@@ -22,5 +22,6 @@ pub use read::{RecordingError, read_samples};
 pub use run::{
     ChainedCycle, CoordinatorEnd, FileEnd, MessageData, Overflow, RecorderOptions, RecordingEnd,
     RecordingFailure, RecordingFile, RecordingItem, RunReader, RunRecorder, StepChain, StepHashes,
+    part_path,
 };
 pub use write::PortRecording;

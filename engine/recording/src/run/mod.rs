@@ -23,7 +23,7 @@ mod writer;
 
 pub use chain::{StepChain, StepHashes};
 pub use message_data::MessageData;
-pub use options::{Overflow, RecorderOptions, RecordingFile};
+pub use options::{Overflow, RecorderOptions, RecordingFile, part_path};
 pub use reader::{ChainedCycle, CoordinatorEnd, FileEnd, RecordingItem, RunReader};
 pub use recorder::RunRecorder;
 pub use writer::{RecordingEnd, RecordingFailure};

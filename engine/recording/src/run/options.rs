@@ -106,11 +106,7 @@ impl RecordingFile {
 
     /// The name of a part of a recording whose first file is this one: `run.part2.mcap`.
     pub(super) fn part(&self, number: u32) -> Self {
-        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
-        Self::new(
-            self.path
-                .with_file_name(format!("{stem}.part{number}.mcap")),
-        )
+        Self::new(part_path(&self.path, number))
     }
 
     fn numbered(&self, number: u32) -> PathBuf {
@@ -122,6 +118,16 @@ impl RecordingFile {
         self.path
             .with_file_name(format!("{stem}-{number}.{suffix}"))
     }
+}
+
+/// The usual path of a part of the recording that begins with a file, or to which a part belongs.
+pub fn part_path(file: &Path, number: u32) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = match stem.rsplit_once(".part") {
+        Some((first, part)) if part.parse::<u32>().is_ok() => first,
+        Some(_) | None => &stem,
+    };
+    file.with_file_name(format!("{stem}.part{number}.mcap"))
 }
 
 fn is_special(path: &Path) -> bool {
