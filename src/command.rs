@@ -5,6 +5,8 @@ mod call;
 mod check;
 #[cfg(feature = "amqp")]
 mod component;
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+mod dash;
 mod demo;
 mod describe;
 #[cfg(feature = "amqp")]
@@ -44,6 +46,7 @@ pub use without::mark;
 
 #[cfg(not(all(
     feature = "amqp",
+    feature = "dashboard",
     feature = "mcap",
     feature = "ros",
     feature = "scdl",
@@ -52,6 +55,7 @@ pub use without::mark;
 use crate::feature;
 #[cfg(not(all(
     feature = "amqp",
+    feature = "dashboard",
     feature = "mcap",
     feature = "ros",
     feature = "scdl",
@@ -89,6 +93,12 @@ mod live {
 use replay::Replay;
 #[cfg(not(feature = "mcap"))]
 type Replay = Without<feature::Mcap>;
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+use dash::Dash;
+#[cfg(not(feature = "dashboard"))]
+type Dash = Without<feature::Dashboard>;
+#[cfg(all(feature = "dashboard", not(feature = "mcap")))]
+type Dash = Without<feature::Mcap>;
 
 #[cfg(feature = "ros")]
 use ros::Ros;
@@ -119,6 +129,8 @@ pub enum Command {
     Demo(demo::Demo),
     /// Runs a composite
     Run(Box<run::Run>),
+    /// Shows a recording in a web browser
+    Dash(Dash),
     /// Starts the processes of a composite that belong to this machine, and restarts them as it prescribes
     Up(up::Up),
     /// Checks specifications, scenarios and composites without running them
@@ -173,6 +185,7 @@ impl Command {
         match self {
             Self::Demo(demo) => demo.run(build, terminal),
             Self::Run(run) => run.run(build, terminal),
+            Self::Dash(dash) => dash.run(build, terminal),
             Self::Up(up) => up.run(build, terminal),
             Self::Check(check) => check.run(build, terminal),
             Self::Describe(describe) => describe.run(build, terminal),

@@ -13,7 +13,7 @@ pub trait Feature {
 /// Systems on RabbitMQ: `run --bus`, and the commands that inspect and control a running system.
 pub struct Amqp;
 
-/// The dashboard: `run --dashboard` and `demo --open`.
+/// The dashboard: `run --dashboard`, `demo --open` and, with recordings, `dash`.
 pub struct Dashboard;
 
 /// Services over HTTP: gateways of composites, and wires to other systems.
@@ -142,6 +142,12 @@ mod tests {
         );
         assert!(
             said.contains("cargo install --path . --features symbolic`"),
+            "{said}"
+        );
+        let said = LeftOut::new::<Mcap>().to_string();
+        assert!(
+            said.starts_with("the recorder of runs in MCAP is not in this build: it needs")
+                && said.contains("cargo install --path . --features mcap`"),
             "{said}"
         );
     }

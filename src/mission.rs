@@ -15,6 +15,8 @@ mod robots;
 mod stall;
 mod version_switch;
 
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+pub(crate) use self::dashboard::dashboard_settings;
 pub use self::dashboard::{DashboardCallback, MissionDashboard};
 pub use self::director::{Director, Undirected};
 pub use self::gateway::{ListenCallback, ListeningGateway, MissionGateways};
@@ -313,7 +315,7 @@ impl Mission {
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
         let recorder = MissionRecorder::start(&self.recorded(), &opened, plan, &mut system);
-        let recorder = recorder.map_err(MissionError::Launch)?;
+        let mut recorder = recorder.map_err(MissionError::Launch)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             MissionClock::Wall => Box::new(system.live()),
@@ -332,7 +334,7 @@ impl Mission {
             director,
             (&watch, &story),
             stop,
-            (&mut contacts, &mut bridges, &mut dashboard),
+            (&mut contacts, &mut bridges, &mut dashboard, &mut recorder),
             &mut successor,
         );
         director.finish(run.now());
@@ -422,10 +424,11 @@ impl Mission {
         director: &mut dyn Director,
         (watch, story): (&Mutex<EndCondition>, &Mutex<Story>),
         stop: &AtomicBool,
-        (contacts, bridges, dashboard): (
+        (contacts, bridges, dashboard, recorder): (
             &mut [ProcessContact<'_>],
             &mut Bridges,
             &mut Option<OpenDashboard>,
+            &mut MissionRecorder,
         ),
         successor: &mut VersionSwitch<'_>,
     ) -> MissionOutcome {
@@ -456,6 +459,9 @@ impl Mission {
                 }
                 lock(watch).follow(&version.plan, &version.part);
                 lock(story).follow(&version.plan);
+                if let Some(opened) = successor.opened() {
+                    recorder.follow(run.now(), opened, &version.plan);
+                }
             }
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {

@@ -5,9 +5,9 @@ use std::io;
 use std::path::Path;
 
 use asmotion_component::Time;
-use asmotion_recording::PortRecording;
+use asmotion_recording::{PortRecording, RecordingProfile};
 use asmotion_runtime::Event;
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::mission::RecordingRequest;
 use crate::trace::MissionTrace;
@@ -25,9 +25,22 @@ pub struct OutputArguments {
     #[arg(long, value_name = "FILE")]
     record: Option<String>,
 
+    /// Readers of a recording in MCAP: viewers such as Foxglove, or tools for bags of ROS 2, such as `ros2 bag` and `rosbags`
+    #[arg(long, value_name = "READERS", value_enum, requires = "record")]
+    record_for: Option<RecordingReaders>,
+
     /// Ports or topics to record; `*` matches any characters [default: all]
     #[arg(long, value_name = "PATTERN", requires = "record")]
     ports: Vec<String>,
+}
+
+/// Readers of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RecordingReaders {
+    /// Foxglove, Lichtblick, PlotJuggler: types of ROS 2 in CDR, everything else in JSON with a JSON Schema
+    Viewers,
+    /// Tools for bags of ROS 2: everything in CDR, with names of topics of ROS
+    Ros2,
 }
 
 /// The files being written.
@@ -43,7 +56,24 @@ impl OutputArguments {
         RecordingRequest {
             file: self.record.clone().filter(|path| is_mcap(path)),
             ports: self.ports.clone(),
+            profile: match self.record_for {
+                None | Some(RecordingReaders::Viewers) => RecordingProfile::Viewers,
+                Some(RecordingReaders::Ros2) => RecordingProfile::Ros2,
+            },
             follows_composite,
+        }
+    }
+
+    /// Checks that each option has an effect.
+    ///
+    /// # Errors
+    /// The readers of a table are named.
+    pub fn check(&self) -> Result<(), String> {
+        match (&self.record, self.record_for) {
+            (Some(path), Some(_)) if !is_mcap(path) => Err(format!(
+                "`--record-for` has no effect on a table: record to a file whose name ends in `.mcap`, not to `{path}`"
+            )),
+            (Some(_) | None, Some(_) | None) => Ok(()),
         }
     }
 

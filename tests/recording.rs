@@ -1,5 +1,8 @@
-//! Recordings as MCAP, read by the Python package `mcap`: what they contain, and what remains of one whose process is killed or
+//! Recordings as MCAP, read by the Python packages `mcap` and `rosbags`: what they contain, and what remains of one whose process is killed or
 //! whose disk is full.
+
+mod crossings;
+mod rosbags;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -8,15 +11,16 @@ use std::time::{Duration, Instant};
 use asmotion_recording::{FileEnd, RecordingItem, RunReader};
 use serde_json::Value;
 
-/// Version of the reader, and of what it needs for files that are compressed.
-const PACKAGE: &str = "mcap==1.3.0";
+/// Versions of the readers.
+const PACKAGES: [&str; 2] = ["mcap==1.3.0", "rosbags==0.11.9"];
 
-/// Returns a Python with the package in `target/mcap`, installed if it is missing.
+/// Returns a Python with the packages in `target/mcap`, installed if one is missing.
 pub(super) fn python() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/mcap/venv");
     let python = folder.join("bin/python");
     let has_package = || {
-        let tried = Command::new(&python).args(["-c", "import mcap"]).output();
+        let imports = ["-c", "import mcap, rosbags"];
+        let tried = Command::new(&python).args(imports).output();
         tried.is_ok_and(|it| it.status.success())
     };
     if has_package() {
@@ -28,7 +32,7 @@ pub(super) fn python() -> Option<PathBuf> {
         .output();
     if made.is_ok_and(|it| it.status.success()) {
         let mut pip = Command::new(&python);
-        pip.args(["-m", "pip", "install", "--quiet", PACKAGE]);
+        pip.args(["-m", "pip", "install", "--quiet"]).args(PACKAGES);
         let _ = pip.output();
     }
     if has_package() {

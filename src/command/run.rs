@@ -1,6 +1,6 @@
 //! `asmotion run`: runs a composite.
 
-mod dashboard;
+pub(super) mod dashboard;
 mod report;
 #[cfg(feature = "tui")]
 mod top;
@@ -424,6 +424,7 @@ impl MissionArguments {
     }
 
     fn apply(&self, mission: &mut Mission) -> Result<(), String> {
+        self.books.check()?;
         if let Some(seed) = self.seed {
             mission.seed = seed;
             mission.seeds_composite = true;

@@ -2,6 +2,7 @@
 #![cfg_attr(
     all(
         feature = "amqp",
+        feature = "dashboard",
         feature = "mcap",
         feature = "ros",
         feature = "scdl",

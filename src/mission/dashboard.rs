@@ -9,6 +9,8 @@ mod open;
 pub(super) use left_out::OpenDashboard;
 #[cfg(feature = "dashboard")]
 pub(super) use open::OpenDashboard;
+#[cfg(all(feature = "dashboard", feature = "mcap"))]
+pub(crate) use open::dashboard_settings;
 
 use std::fmt;
 use std::net::SocketAddr;

@@ -8,6 +8,7 @@ mod recorder;
 use std::path::PathBuf;
 
 use asmotion_plan::Plan;
+use asmotion_recording::RecordingProfile;
 
 #[cfg(not(feature = "mcap"))]
 pub(super) use left_out::MissionRecorder;
@@ -21,6 +22,8 @@ pub struct RecordingRequest {
     pub file: Option<String>,
     /// Ports and topics to record, as patterns; all of them if this is empty. Without a file, the composite selects topics.
     pub ports: Vec<String>,
+    /// Readers of the recording.
+    pub profile: RecordingProfile,
     /// `true` if the composite's `[deploy] record` takes effect.
     pub follows_composite: bool,
 }

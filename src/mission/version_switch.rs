@@ -7,7 +7,7 @@ use asmotion_assembly::reconfigure::{Version, changes};
 use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Loader, Style, render_all};
-use asmotion_plan::{Part, Plan};
+use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +41,8 @@ pub(super) struct VersionSwitch<'m> {
     path: &'m str,
     /// The running version.
     running: Version,
+    /// The files of the running version, if it is not the first one.
+    opened: Option<Opened>,
     calls: Vec<ServedAddress>,
 }
 
@@ -60,6 +62,7 @@ impl<'m> VersionSwitch<'m> {
             mission,
             path,
             running: version_of(mission, plan, part.clone(), Arc::new(DiskLoader)),
+            opened: None,
             calls: buses.map(serve).collect::<Result<_, _>>()?,
         })
     }
@@ -67,6 +70,11 @@ impl<'m> VersionSwitch<'m> {
     /// Returns the running version.
     pub(super) fn running(&self) -> &Version {
         &self.running
+    }
+
+    /// Returns the files of the running version; `None` if it is the first one.
+    pub(super) fn opened(&self) -> Option<&Opened> {
+        self.opened.as_ref()
     }
 
     /// Applies the versions that have arrived. Returns whether another version runs now.
@@ -93,7 +101,7 @@ impl<'m> VersionSwitch<'m> {
             .to_datum()
             .and_then(|version| version.to())
             .map_err(bad_request)?;
-        let wanted = self.open(&version)?;
+        let (opened, wanted) = self.open(&version)?;
         self.verify(&version, &wanted)?;
         let mut changes = changes(&self.running, &wanted, &*run).map_err(|fixed| {
             let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
@@ -108,6 +116,7 @@ impl<'m> VersionSwitch<'m> {
         let notes = notes.map_err(|error| refusal("REFUSED", error))?;
         if !version.only_try {
             self.running = wanted;
+            self.opened = Some(opened);
             *has_changed = true;
         }
         let words = changes.iter().map(ToString::to_string);
@@ -125,7 +134,7 @@ impl<'m> VersionSwitch<'m> {
     }
 
     /// Returns a version as this process would run it from the start.
-    fn open(&self, version: &CompositeVersion) -> Result<Version, Refusal> {
+    fn open(&self, version: &CompositeVersion) -> Result<(Opened, Version), Refusal> {
         let sent = SentFiles::in_folder_of(self.path, &version.files);
         let programs = RunningPrograms(&self.running.plan);
         let path = sent.path(&version.composite);
@@ -148,7 +157,8 @@ impl<'m> VersionSwitch<'m> {
             Some(plan) => {
                 let part = self.mission.part(plan);
                 let part = part.map_err(|error| refusal("BAD_COMPOSITE", error))?;
-                Ok(version_of(self.mission, plan, part, Arc::new(sent)))
+                let version = version_of(self.mission, plan, part, Arc::new(sent));
+                Ok((opened, version))
             }
         }
     }

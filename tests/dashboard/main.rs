@@ -13,6 +13,7 @@
 
 mod browser;
 mod mission;
+mod recording;
 
 use browser::{Browser, Tab};
 use mission::RunningMission;

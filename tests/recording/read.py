@@ -11,7 +11,8 @@ with open(sys.argv[1], "rb") as file:
     try:
         for record in StreamReader(file).records:
             if isinstance(record, Schema):
-                json.loads(record.data)
+                if record.encoding == "jsonschema":
+                    json.loads(record.data)
                 schemas[record.id] = record
             elif isinstance(record, Channel):
                 channels[record.id] = record
@@ -21,10 +22,13 @@ with open(sys.argv[1], "rb") as file:
                 facts[record.name] = record.metadata
             elif isinstance(record, Message):
                 channel = channels[record.channel_id]
-                assert schemas[channel.schema_id].encoding == "jsonschema", channel
-                value = json.loads(record.data)
                 counts[channel.topic] = counts.get(channel.topic, 0) + 1
                 messages.update(f"{channel.topic} {record.log_time} ".encode() + record.data)
+                encodings = (channel.message_encoding, schemas[channel.schema_id].encoding)
+                if encodings == ("cdr", "ros2msg"):
+                    continue
+                assert encodings == ("json", "jsonschema"), channel
+                value = json.loads(record.data)
                 if channel.topic.startswith("asm/"):
                     hashed = record.data.decode().rsplit(',"hash":"', 1)[0]
                     is_next = value["previous"] == chain.get(channel.topic, "0" * 32)

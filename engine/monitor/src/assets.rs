@@ -25,6 +25,7 @@ pub(crate) const FILES: &[(&str, &str, &str)] = files! {
     "main.js": "text/javascript; charset=utf-8",
     "map.js": "text/javascript; charset=utf-8",
     "overview.js": "text/javascript; charset=utf-8",
+    "playback.js": "text/javascript; charset=utf-8",
     "spec.js": "text/javascript; charset=utf-8",
     "state_table.js": "text/javascript; charset=utf-8",
     "store.js": "text/javascript; charset=utf-8",

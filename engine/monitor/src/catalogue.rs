@@ -19,6 +19,9 @@ pub struct SystemDescription {
     components: Vec<DescribedComponent>,
     topics: Vec<DescribedTopic>,
     specifications: Vec<DescribedSpecification>,
+    /// What only a recording has; `None` for a running system.
+    #[cfg(feature = "recording")]
+    pub(crate) recording: Option<crate::recorded::RecordingDescription>,
 }
 
 /// A component and its implementation.
@@ -106,7 +109,50 @@ impl SystemDescription {
             components: components.collect(),
             topics: topics.collect(),
             specifications: specifications.collect(),
+            #[cfg(feature = "recording")]
+            recording: None,
         }
+    }
+
+    /// Adds a component, unless it is known.
+    #[cfg(feature = "recording")]
+    pub(crate) fn add_component(&mut self, name: &str) {
+        if self.components.iter().any(|it| it.name == name) {
+            return;
+        }
+        self.components.push(DescribedComponent {
+            name: name.to_owned(),
+            implementation: String::new(),
+        });
+    }
+
+    /// Adds the specification of a component, whose texts the loader has. Returns its initial state.
+    #[cfg(feature = "recording")]
+    pub(crate) fn add_specification(
+        &mut self,
+        component: &str,
+        main: &str,
+        loader: &dyn Loader,
+    ) -> Vec<(String, String)> {
+        let described = match asmotion_lang::open(main, loader) {
+            Ok(opened) => DescribedSpecification::opened(component, &opened, main),
+            // written for another version: its text says more than nothing
+            Err(_) => DescribedSpecification::of_text(component, main, loader),
+        };
+        let initial = described.initial.clone();
+        self.specifications.push(described);
+        initial
+    }
+
+    /// The control states of the specifications: component and location.
+    #[cfg(feature = "recording")]
+    pub(crate) fn control_states(&self) -> Vec<(String, String)> {
+        let specifications = self.specifications.iter();
+        let known = specifications.filter_map(|it| {
+            let diagram = it.diagram.as_ref()?;
+            Some((it.component.clone(), diagram.location.clone()))
+        });
+        known.collect()
     }
 
     /// The initial states of the specifications: components, with pairs of location and value.
@@ -129,16 +175,37 @@ impl DescribedSpecification {
             return None;
         };
         let specification = asmotion_lang::open(file, loader).ok()?;
+        Some(Self::opened(&component.name, &specification, file))
+    }
+
+    /// A specification without an analysis.
+    #[cfg(feature = "recording")]
+    fn of_text(component: &str, main: &str, loader: &dyn Loader) -> Self {
+        let text = loader.read(main).map(|text| text.to_string());
+        Self {
+            component: component.to_owned(),
+            files: vec![DescribedFile {
+                name: main.rsplit('/').next().unwrap_or(main).to_owned(),
+                text: text.unwrap_or_default(),
+            }],
+            diagram: None,
+            initial: Vec::new(),
+            monitored: Vec::new(),
+            properties: Vec::new(),
+        }
+    }
+
+    fn opened(component: &str, specification: &Specification, main: &str) -> Self {
         let functions = specification.model.own_functions();
         let monitored = functions.filter(|(_, it)| it.kind == FunctionKind::Monitored);
-        Some(Self {
-            component: component.name.clone(),
-            files: files(&specification, file),
-            diagram: diagram(&specification),
-            initial: initial(&specification),
+        Self {
+            component: component.to_owned(),
+            files: files(specification, main),
+            diagram: diagram(specification),
+            initial: initial(specification),
             monitored: monitored.map(|(_, it)| it.name.to_string()).collect(),
-            properties: properties(&specification),
-        })
+            properties: properties(specification),
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::catalogue::SystemDescription;
 use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::handler::{DashboardHandler, SessionTable};
+use crate::past::Past;
 use crate::settings::DashboardSettings;
 
 /// Limit on the time in which a request's header must arrive, and on the idle time of a connection.
@@ -19,6 +20,7 @@ pub struct MonitorSource {
     description: SystemDescription,
     feed: Feed,
     orders: Option<OrderBus>,
+    past: Option<Arc<dyn Past>>,
 }
 
 impl MonitorSource {
@@ -28,6 +30,16 @@ impl MonitorSource {
             feed: Feed::new(description.initial_states()),
             description,
             orders,
+            past: None,
+        }
+    }
+
+    /// A run that was recorded, which tabs show at any time. It cannot be controlled.
+    #[cfg(feature = "recording")]
+    pub fn recorded(run: crate::RecordedRun) -> Self {
+        Self {
+            past: Some(Arc::new(run.past)),
+            ..Self::new(run.system, None)
         }
     }
 
@@ -59,6 +71,7 @@ impl Dashboard {
             feed: source.feed,
             desk: Arc::new(Desk::new(source.orders, token, settings.armed_for)),
             sessions: Arc::new(SessionTable::new()),
+            past: source.past,
             settings,
         };
         Listener::open(listener, Arc::new(handler)).map(Self)

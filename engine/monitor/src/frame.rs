@@ -4,6 +4,8 @@ use std::fmt::Write;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use asmotion_component::Time;
+
 use crate::desk::Desk;
 use crate::feed::Feed;
 use crate::output_slot::OutputSummary;
@@ -64,6 +66,21 @@ impl FrameWriter {
         let (seq, t, wall) = (self.seq, time.seconds(), feed.milliseconds(now));
         Some(format!(
             "{{\"type\":\"frame\",\"seq\":{seq},\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"control\":{control},\"end\":{end}{parts}}}"
+        ))
+    }
+
+    /// The next frame of a run that is over, which only tells that the connection is alive; `None` before it is due.
+    pub(crate) fn heartbeat(&mut self, end: Time) -> Option<String> {
+        let now = Instant::now();
+        let is_due = |last: Instant| now.duration_since(last) >= HEARTBEAT;
+        if !self.last.is_none_or(is_due) {
+            return None;
+        }
+        self.last = Some(now);
+        self.seq += 1;
+        let (seq, t) = (self.seq, end.seconds());
+        Some(format!(
+            "{{\"type\":\"frame\",\"seq\":{seq},\"t\":{t},\"wall\":0,\"lost\":0,\"control\":\"view\",\"end\":null}}"
         ))
     }
 

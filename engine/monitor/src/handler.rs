@@ -16,6 +16,7 @@ use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 use crate::catalogue::SystemDescription;
 use crate::desk::Desk;
 use crate::feed::Feed;
+use crate::past::Past;
 use crate::session::Session;
 use crate::settings::DashboardSettings;
 use crate::{assets, frame, guard, metrics};
@@ -30,6 +31,8 @@ pub(crate) struct DashboardHandler {
     pub feed: Feed,
     pub desk: Arc<Desk>,
     pub sessions: Arc<SessionTable>,
+    /// The run, if it is over and was recorded.
+    pub past: Option<Arc<dyn Past>>,
 }
 
 /// The open WebSockets.
@@ -89,6 +92,10 @@ impl DashboardHandler {
     /// Responds to a request that changes nothing.
     fn read(&self, path: &str) -> HttpResponse {
         let json = |body: String| guard::response(StatusCode::OK, JSON, body + "\n");
+        let is_live = path == "/metrics" || path.starts_with("/api/") && path != "/api/system";
+        if self.past.is_some() && is_live {
+            return not_found("a recording has no present: `/api/system` describes it\n");
+        }
         match path {
             "/metrics" => {
                 let text = metrics::text(&self.feed, self.sessions.count());
@@ -149,6 +156,7 @@ impl DashboardHandler {
             description: Arc::clone(&self.description),
             feed: self.feed.clone(),
             desk: Arc::clone(&self.desk),
+            past: self.past.clone(),
             closing: self.sessions.closing.subscribe(),
         };
         let place = Arc::clone(place);

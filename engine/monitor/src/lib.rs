@@ -23,6 +23,9 @@ mod log_entry;
 mod metrics;
 mod output_slot;
 mod page_request;
+mod past;
+#[cfg(feature = "recording")]
+mod recorded;
 mod rendering;
 mod ring;
 mod session;
@@ -35,4 +38,6 @@ pub use catalogue::SystemDescription;
 pub use dashboard::{Dashboard, MonitorSource};
 pub use desk::OrderBus;
 pub use feed::Feed;
+#[cfg(feature = "recording")]
+pub use recorded::RecordedRun;
 pub use settings::{DashboardSettings, RandomError};

@@ -151,7 +151,8 @@ pub(crate) fn command(at: Time, client: &str, text: &str) -> Arc<str> {
     entry(at, "notice", "command", client, text)
 }
 
-fn level_of(kind: &str) -> Option<&'static str> {
+/// The level of a report that is worth a line.
+pub(crate) fn level_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         LOG_REPORT => "info",
         NOTICE_REPORT => "notice",
@@ -160,7 +161,8 @@ fn level_of(kind: &str) -> Option<&'static str> {
     })
 }
 
-fn entry(at: Time, level: &str, kind: &str, component: &str, text: &str) -> Arc<str> {
+/// Makes an entry.
+pub(crate) fn entry(at: Time, level: &str, kind: &str, component: &str, text: &str) -> Arc<str> {
     let entry: Value = json!({
         "t": at.seconds(), "level": level, "kind": kind, "component": component, "text": shortened(text),
     });
@@ -169,14 +171,17 @@ fn entry(at: Time, level: &str, kind: &str, component: &str, text: &str) -> Arc<
 
 /// The content of a message in a few words: its values without times and frames, or its type if there are many.
 fn brief(sample: &dyn Sample) -> String {
-    let datum = match sample.to_datum() {
-        Ok(datum) => datum,
-        Err(error) => return error.to_string(),
-    };
+    match sample.to_datum() {
+        Ok(datum) => brief_datum(&datum, sample.type_name()),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The content of a message of a type in a few words.
+pub(crate) fn brief_datum(datum: &Datum, kind: &str) -> String {
     let mut values = Vec::new();
-    collect(&datum, &mut values);
+    collect(datum, &mut values);
     if values.len() > MAX_VALUES {
-        let kind = sample.type_name();
         return if kind.is_empty() {
             "(many values)".to_owned()
         } else {

@@ -1,5 +1,7 @@
 //! The messages of a tab.
 
+use std::collections::BTreeMap;
+
 use asmotion_datum::Datum;
 use asmotion_remote::OrderKind;
 use serde::Deserialize;
@@ -14,6 +16,18 @@ pub(crate) enum PageRequest {
         streams: Vec<String>,
         /// Limit on frames per second.
         max_hz: f64,
+    },
+    /// Asks for a moment of a run that is over.
+    Seek {
+        /// Time of the run, in seconds.
+        t: f64,
+        /// Time around it that the tab shows, in seconds.
+        span: f64,
+        /// Whether the tab needs the steps and log entries around it.
+        window: bool,
+        /// Numbers of the samples that the tab has, by output.
+        #[serde(default)]
+        has: BTreeMap<String, u64>,
     },
     /// The tab has processed a frame.
     Ack {

@@ -26,6 +26,7 @@ use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::frame::FrameWriter;
 use crate::page_request::PageRequest;
+use crate::past::{MomentRequest, Past};
 use crate::settings::DashboardSettings;
 use crate::subscriptions::{self, Subscriptions};
 
@@ -48,6 +49,8 @@ pub(crate) struct Session {
     pub description: Arc<SystemDescription>,
     pub feed: Feed,
     pub desk: Arc<Desk>,
+    /// The run, if it is over and was recorded.
+    pub past: Option<Arc<dyn Past>>,
     /// Set when the dashboard closes.
     pub closing: watch::Receiver<bool>,
 }
@@ -130,6 +133,9 @@ impl Session {
     }
 
     fn frame(&self, progress: &mut SessionProgress) -> Option<String> {
+        if let Some(past) = &self.past {
+            return progress.writer.heartbeat(past.end());
+        }
         let desk = (&*self.desk, self.client);
         progress
             .writer
@@ -154,6 +160,21 @@ impl Session {
                 let replaced = progress.subscriptions.replace(&streams, &self.feed, limit);
                 replaced.err().map(|error| problem(None, &error))
             }
+            PageRequest::Seek {
+                t,
+                span,
+                window,
+                has,
+            } => Some(self.moment(
+                progress,
+                MomentRequest {
+                    t,
+                    span,
+                    window,
+                    outputs: Vec::new(),
+                    has: &has,
+                },
+            )),
             PageRequest::Ack { seq } => {
                 progress.acknowledged = progress.acknowledged.max(seq.min(progress.writer.seq));
                 None
@@ -182,6 +203,16 @@ impl Session {
                 Err(error) => Some(problem(Some(id), &error)),
             },
         }
+    }
+
+    /// The message about a moment of a run that is over.
+    fn moment<'a>(&self, progress: &'a SessionProgress, mut request: MomentRequest<'a>) -> String {
+        let Some(past) = &self.past else {
+            return problem(None, "this system runs: its past is in the tab");
+        };
+        let samples = progress.subscriptions.samples.iter();
+        request.outputs = samples.map(|it| &*it.name).collect();
+        past.moment(&request)
     }
 
     /// The orders that pass a message to all subscribers of a topic.

@@ -30,22 +30,32 @@ struct LocationValue {
     t: f64,
 }
 
+fn initial_values(locations: &[(String, String)]) -> BTreeMap<String, LocationValue> {
+    let locations = locations.iter().map(|(location, value)| {
+        let value = LocationValue {
+            value: value.clone(),
+            monitored: false,
+            step: 0,
+            t: 0.0,
+        };
+        (location.clone(), value)
+    });
+    locations.collect()
+}
+
 impl SpecificationState {
     /// The initial state, as pairs of location and value.
     pub(crate) fn initial(locations: &[(String, String)]) -> Self {
-        let locations = locations.iter().map(|(location, value)| {
-            let value = LocationValue {
-                value: value.clone(),
-                monitored: false,
-                step: 0,
-                t: 0.0,
-            };
-            (location.clone(), value)
-        });
         Self {
-            locations: locations.collect(),
+            locations: initial_values(locations),
             ..Self::default()
         }
+    }
+
+    /// Begins again in another state. What was counted stays.
+    #[cfg(feature = "recording")]
+    pub(crate) fn begin_again(&mut self, locations: &[(String, String)]) {
+        self.locations = initial_values(locations);
     }
 
     /// Takes a step.

@@ -10,6 +10,7 @@
 //! `RunRecorder`; `CoordinatorReplay` repeats these steps.
 
 mod pattern;
+mod profile;
 mod read;
 #[cfg(feature = "mcap")]
 mod replay;
@@ -17,6 +18,7 @@ mod replay;
 mod run;
 mod write;
 
+pub use profile::RecordingProfile;
 pub use read::{RecordingError, read_samples};
 #[cfg(feature = "mcap")]
 pub use replay::{
@@ -26,7 +28,8 @@ pub use replay::{
 };
 #[cfg(feature = "mcap")]
 pub use run::{
-    ChainedCycle, CoordinatorEnd, FileEnd, Overflow, RecorderOptions, RecordingEnd,
+    ChainedCycle, CoordinatorEnd, FileEnd, MessageData, Overflow, RecorderOptions, RecordingEnd,
     RecordingFailure, RecordingFile, RecordingItem, RunReader, RunRecorder, StepChain, StepHashes,
+    part_path,
 };
 pub use write::PortRecording;

@@ -2,7 +2,10 @@
 
 /// Patterns of ports and topics, and which of them have selected anything.
 #[derive(Debug)]
-pub(crate) struct PortPatterns(Vec<PortPattern>);
+pub(crate) struct PortPatterns {
+    /// Select everything if there are none.
+    patterns: Vec<PortPattern>,
+}
 
 /// A pattern of ports; `*` matches any characters.
 #[derive(Debug)]
@@ -14,20 +17,19 @@ struct PortPattern {
 impl PortPatterns {
     /// Selects the ports and topics that match one of the patterns; without patterns, all of them.
     pub fn new(patterns: &[String]) -> Self {
-        let pattern_of = |pattern: &str| PortPattern {
-            pattern: pattern.to_owned(),
+        let pattern_of = |pattern: &String| PortPattern {
+            pattern: pattern.clone(),
             is_matched: false,
         };
-        Self(match patterns {
-            [] => vec![pattern_of("*")],
-            some => some.iter().map(|it| pattern_of(it)).collect(),
-        })
+        Self {
+            patterns: patterns.iter().map(pattern_of).collect(),
+        }
     }
 
     /// Returns whether one of the names matches a pattern.
     pub fn select(&mut self, names: &[&str]) -> bool {
-        let mut is_wanted = false;
-        for wanted in &mut self.0 {
+        let mut is_wanted = self.patterns.is_empty();
+        for wanted in &mut self.patterns {
             let is_match = names.iter().any(|name| matches(&wanted.pattern, name));
             wanted.is_matched |= is_match;
             is_wanted |= is_match;
@@ -35,9 +37,12 @@ impl PortPatterns {
         is_wanted
     }
 
-    /// The patterns that have selected nothing.
+    /// The patterns that have selected nothing. `*` asks for nothing in particular.
     pub fn unmatched(&self) -> impl Iterator<Item = &str> {
-        let unmatched = self.0.iter().filter(|wanted| !wanted.is_matched);
+        let unmatched = self
+            .patterns
+            .iter()
+            .filter(|it| !it.is_matched && it.pattern != "*");
         unmatched.map(|wanted| wanted.pattern.as_str())
     }
 }
@@ -56,7 +61,7 @@ fn matches(pattern: &str, name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::matches;
+    use super::{PortPatterns, matches};
 
     #[test]
     fn a_star_is_any_run_of_characters() {
@@ -73,5 +78,17 @@ mod tests {
         ] {
             assert_eq!(matches(pattern, "Driver.status"), fits, "{pattern}");
         }
+    }
+
+    #[test]
+    fn without_patterns_everything_is_selected_and_none_is_in_vain() {
+        let mut patterns = PortPatterns::new(&[]);
+        assert_eq!(patterns.unmatched().count(), 0);
+        assert!(patterns.select(&["Driver.status"]));
+        let named = ["*", "*.scan", "Driver.*"].map(str::to_owned);
+        let mut patterns = PortPatterns::new(&named);
+        assert_eq!(patterns.unmatched().count(), 2);
+        assert!(patterns.select(&["Driver.status"]));
+        assert_eq!(patterns.unmatched().collect::<Vec<_>>(), ["*.scan"]);
     }
 }

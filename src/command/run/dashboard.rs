@@ -46,7 +46,8 @@ impl DashboardArguments {
         let Some(written) = &self.dashboard else {
             return Ok(MissionDashboard::Closed);
         };
-        let listen = written.as_deref().map(loopback_address).transpose()?;
+        let address = |it| loopback_address("--dashboard", it);
+        let listen = written.as_deref().map(address).transpose()?;
         let on_open = DashboardCallback::new(move |url| {
             if as_json {
                 let object = json!({ "type": "dashboard", "v": 1, "url": url });
@@ -67,12 +68,14 @@ impl DashboardArguments {
     }
 }
 
-/// Parses the address of a dashboard.
-fn loopback_address(written: &str) -> Result<SocketAddr, String> {
+/// Parses the address of a dashboard, the value of an option.
+///
+/// # Errors
+/// A text, if the address is none of a loopback interface.
+pub fn loopback_address(option: &str, written: &str) -> Result<SocketAddr, String> {
     let Ok(address) = written.parse::<SocketAddr>() else {
         return Err(format!(
-            "`--dashboard {written}`: expected an address and a port, as in `127.0.0.1:7070`; a composite stands before \
-             `--dashboard`"
+            "`{option} {written}`: expected an address and a port, as in `127.0.0.1:7070`; a file stands before `{option}`"
         ));
     };
     if address.ip().is_loopback() {
@@ -80,13 +83,13 @@ fn loopback_address(written: &str) -> Result<SocketAddr, String> {
     }
     let port = address.port();
     Err(format!(
-        "`--dashboard {written}`: the dashboard listens on this machine only, because it has neither encryption nor users: \
+        "`{option} {written}`: the dashboard listens on this machine only, because it has neither encryption nor users: \
          listen at 127.0.0.1:{port}, and from another machine open a tunnel with `ssh -L {port}:127.0.0.1:{port} HOST`"
     ))
 }
 
 /// Opens an address in the user's browser. Returns `false` if there is none: over ssh, or without a display.
-fn open_browser(url: &str) -> bool {
+pub fn open_browser(url: &str) -> bool {
     let has = |variable| std::env::var_os(variable).is_some();
     let is_mac = cfg!(target_os = "macos");
     if has("SSH_CONNECTION") || !(is_mac || has("DISPLAY") || has("WAYLAND_DISPLAY")) {
@@ -103,11 +106,11 @@ mod tests {
 
     #[test]
     fn a_dashboard_listens_on_this_machine_only() {
-        assert!(loopback_address("127.0.0.1:0").is_ok());
-        assert!(loopback_address("[::1]:7070").is_ok());
-        let refused = loopback_address("0.0.0.0:7070").unwrap_err();
+        assert!(loopback_address("--dashboard", "127.0.0.1:0").is_ok());
+        assert!(loopback_address("--dashboard", "[::1]:7070").is_ok());
+        let refused = loopback_address("--dashboard", "0.0.0.0:7070").unwrap_err();
         assert!(refused.contains("ssh -L 7070:127.0.0.1:7070"), "{refused}");
-        let refused = loopback_address("x.composite.toml").unwrap_err();
+        let refused = loopback_address("--dashboard", "x.composite.toml").unwrap_err();
         assert!(refused.contains("before `--dashboard`"), "{refused}");
     }
 }

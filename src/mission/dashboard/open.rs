@@ -19,6 +19,15 @@ use crate::mission::MissionError;
 const USUAL: SocketAddr =
     SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 7070);
 
+/// Settings of a dashboard at an address; by default at the usual one, or at a free port if that is in use.
+pub(crate) fn dashboard_settings(listen: Option<SocketAddr>) -> DashboardSettings {
+    let mut settings = DashboardSettings::at(listen.unwrap_or(USUAL));
+    if listen.is_none() && std::net::TcpListener::bind(USUAL).is_err() {
+        settings.listen.set_port(0);
+    }
+    settings
+}
+
 /// An open dashboard.
 pub(in crate::mission) struct OpenDashboard {
     feed: Feed,
@@ -53,15 +62,12 @@ impl OpenDashboard {
         };
         let source = MonitorSource::new(description, Some(orders));
         let feed = source.feed();
-        let mut settings = DashboardSettings::at(listen.unwrap_or(USUAL));
+        let mut settings = dashboard_settings(*listen);
         let launch =
             |error: &dyn std::fmt::Display| MissionError::Launch(format!("`--dashboard`: {error}"));
         let token = control.then(DashboardSettings::new_token).transpose();
         let token = token.map_err(|error| launch(&error))?;
         settings.control = token.as_deref().map(asmotion_monitor::BearerToken::new);
-        if listen.is_none() && std::net::TcpListener::bind(USUAL).is_err() {
-            settings.listen.set_port(0);
-        }
         let server = Dashboard::open(settings, source).map_err(|error| launch(&error))?;
         system.observe(feed.clone());
         let address = server.address();

@@ -1,5 +1,6 @@
 //! A build without the feature `mcap` records nothing.
 
+use asmotion_component::Time;
 use asmotion_plan::{Opened, Plan};
 use asmotion_runtime::System;
 
@@ -31,6 +32,9 @@ impl MissionRecorder {
             Some(_) => Err(LeftOut::new::<Mcap>().to_string()),
         }
     }
+
+    /// Nothing is recorded.
+    pub fn follow(&mut self, _: Time, _: &Opened, _: &Plan) {}
 
     /// Nothing is recorded.
     pub fn finish(self) -> Option<RecordingResult> {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use asmotion_component::Time;
 use asmotion_plan::{Opened, Plan};
 use asmotion_recording::{Overflow, RecorderOptions, RecordingFile, RunRecorder};
 use asmotion_runtime::System;
@@ -16,6 +17,8 @@ pub(in crate::mission) struct MissionRecorder {
     recorder: Option<RunRecorder>,
     /// The reason that the recording which the composite asks for did not begin.
     failure: Option<String>,
+    /// Number of versions of the composite after the first one.
+    followed: u32,
 }
 
 /// Bytes of a megabyte, the unit of `rotate_mb`.
@@ -41,15 +44,27 @@ impl MissionRecorder {
                 system.observe(recorder.observer());
                 Ok(Self {
                     recorder: Some(recorder),
-                    failure: None,
+                    ..Self::default()
                 })
             }
             Err(failure) if mission.request.file.is_some() => Err(failure.to_string()),
             Err(failure) => Ok(Self {
-                recorder: None,
                 failure: Some(failure.to_string()),
+                ..Self::default()
             }),
         }
+    }
+
+    /// Follows the system to another version of the composite, whose texts the recording contains as `version/2/…`.
+    pub fn follow(&mut self, at: Time, opened: &Opened, plan: &Plan) {
+        let Some(recorder) = &self.recorder else {
+            return;
+        };
+        self.followed += 1;
+        let number = self.followed + 1;
+        let texts = texts(opened, plan).into_iter();
+        let texts = texts.map(|(name, text)| (format!("version/{number}/{name}"), text));
+        recorder.follow(at, texts.collect(), types(plan));
     }
 
     /// Ends the recording, after the system.
@@ -97,6 +112,7 @@ impl RecordedMission<'_> {
             (Overflow::Count, now_ns)
         };
         let shared = RecorderOptions {
+            profile: self.request.profile,
             overflow,
             epoch_ns,
             facts: self.run_facts(opened, plan, now_ns),

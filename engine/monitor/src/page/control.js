@@ -19,6 +19,7 @@ export class Control {
   /** Why this tab may not control the system, in words. */
   get reason() {
     if (this.armed) return "";
+    if (this.store.recording) return "a recording cannot be controlled";
     if (this.store.end !== null) return "the run has ended";
     if (this.store.permission === "view") return "started without --control";
     if (!this.token) return "this tab has no token: open the printed address";
@@ -50,7 +51,7 @@ export class Control {
     this.shown = state;
     const button = (words, action, kind = "") => el("button", { type: "button", class: kind, disabled: off, onclick: action }, words);
     const parts = [];
-    if (permission === "view") parts.push(el("span", { class: "chip", title: "Started without --control" }, "view only"));
+    if (permission === "view") parts.push(el("span", { class: "chip", title: this.store.recording ? "A recording cannot be controlled" : "Started without --control" }, "view only"));
     else if (left !== null) {
       const time = `${Math.floor(left / 60)}:${String(left % 60).padStart(2, "0")}`;
       parts.push(el("span", { class: "chip armed", id: "armed" }, `CONTROL ARMED ${time}`));

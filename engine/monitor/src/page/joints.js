@@ -24,10 +24,11 @@ export class Joints {
     this.body = el("tbody");
     this.charts = el("div", { class: "charts" });
     const head = el("tr", {}, ["joint", ...SIGNALS.map(([name, unit]) => `${name}, ${unit}`), "flags"].map((name, index) => el("th", { class: index && index < 5 ? "number" : "" }, name)));
-    const driver = [this.badge, el("span", { class: "grow" }), el("label", {}, "driver period, ms ", this.period), this.apply, el("span", {}, "measured ", this.measured)];
+    const control = app.store.recording ? [] : [el("label", {}, "driver period, ms ", this.period), this.apply];
+    const driver = [this.badge, el("span", { class: "grow" }), ...control, el("span", {}, "measured ", this.measured)];
     this.empty = el("p", { class: "empty" }, "No output of the type youbot/JointStatus has written anything.");
     this.root = el("div", { class: "grid joints" }, panel("Joints", "joints-panel", driver, this.empty, el("div", { class: "body" }, el("table", { id: "joints" }, el("thead", {}, head), this.body))),
-      el("div", { class: "bar" }, this.tabs, this.select, this.spans, el("button", { type: "button", onclick: () => this.export() }, "CSV of what is shown"), el("button", { type: "button", onclick: () => this.clear() }, "Clear history")), this.charts);
+      el("div", { class: "bar" }, this.tabs, this.select, this.spans, el("button", { type: "button", onclick: () => this.export() }, "CSV of what is shown"), app.store.recording ? null : el("button", { type: "button", onclick: () => this.clear() }, "Clear history")), this.charts);
   }
 
   streams() { return []; }

@@ -24,6 +24,7 @@ export class Link {
     socket.onmessage = (event) => this.receive(JSON.parse(event.data));
     socket.onclose = () => {
       this.store.disconnected();
+      this.onlost?.();
       for (const done of this.pending.values()) done("the connection was lost: it is not known whether this was carried out");
       this.pending.clear();
       setTimeout(() => this.connect(), this.pause * (0.75 + Math.random() / 2));
@@ -45,6 +46,10 @@ export class Link {
         // a tab that is not drawn does not ask for more than it has asked for
         if (document.hidden) this.acknowledge();
         break;
+      case "moment":
+        this.store.moment(message);
+        this.onmoment?.();
+        break;
       case "armed":
         this.onarmed?.(null);
         break;
@@ -63,14 +68,15 @@ export class Link {
     this.unacknowledged = 0;
   }
 
-  /** Replaces the subscriptions. @param {string[]} streams */
+  /** Replaces the subscriptions. @param {string[]} streams @returns {boolean} whether they are others than before */
   subscribe(streams) {
     this.wanted = streams;
     const max_hz = document.hidden ? 1 : this.store.rate;
     const request = JSON.stringify({ type: "subscribe", streams, max_hz });
-    if (request === this.streams || this.socket?.readyState !== WebSocket.OPEN) return;
+    if (request === this.streams || this.socket?.readyState !== WebSocket.OPEN) return false;
     this.streams = request;
     this.socket.send(request);
+    return true;
   }
 
   send(message) {

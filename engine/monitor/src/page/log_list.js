@@ -29,7 +29,9 @@ export class LogList {
     const { store } = this.app;
     for (const it of store.steps) { it.kind = "step"; it.level = "info"; it.key ??= `s${it.component}${it.step.number}`; }
     for (const it of store.log) it.key ??= `l${nextKey++}`;
-    return [...store.steps, ...store.log].sort((one, other) => one.t - other.t);
+    // a recording has all steps, also those that a running system does not report
+    const steps = store.steps.filter((it) => it.step.updates.length || !store.recording);
+    return [...steps, ...store.log].sort((one, other) => one.t - other.t);
   }
 
   draw() {
@@ -43,7 +45,7 @@ export class LogList {
     const cut = store.cursor === null ? shown : shown.filter((it) => it.t <= store.cursor + 1e-9 || shown.length < this.limit);
     const newest = (this.fold.checked ? folded(store, cut) : cut).slice(-this.limit).reverse();
     const missed = store.missed.log + store.missed.steps;
-    text(this.count, `${shown.length} entries${missed ? `, ${missed} missed while this tab was too slow` : ""}`);
+    text(this.count, `${shown.length} entries${store.recording ? " near this time" : ""}${missed ? `, ${missed} missed while this tab was too slow` : ""}`);
     const near = store.cursor === null ? null : newest.find((it) => it.t <= store.cursor + 1e-9)?.key;
     list(this.root, newest, (it) => it.key, (it) => this.make(it), (row, it) => {
       const times = this.fold.checked && it.times > 1 ? `×${it.times} since ${it.since.toFixed(2)} s` : "";

@@ -11,6 +11,7 @@ import { Time } from "./time.js";
 import { Components } from "./components.js";
 import { Joints } from "./joints.js";
 import { Logs } from "./logs.js";
+import { Playback } from "./playback.js";
 
 /** Interval between updates of texts and tables, ms: faster is not readable. */
 const TEXTS = 120;
@@ -22,6 +23,8 @@ const token = takeToken();
 const link = new Link(store);
 const control = new Control(store, link, token);
 const app = { store, link, control, paused: false, seek, redraw, show };
+/** The time of a recording; null for a running system. @type {Playback | null} */
+let playback = null;
 
 const views = [
   { name: "overview", title: "Overview", make: () => new Overview(app) },
@@ -47,7 +50,9 @@ function takeToken() {
 
 /** Moves the time that all views show; null is now. @param {number | null} t */
 function seek(t) {
-  store.cursor = t;
+  const end = store.recording?.end;
+  store.cursor = playback ? Math.min(end, Math.max(0, t ?? end)) : t;
+  playback?.ask();
   redraw();
 }
 
@@ -58,7 +63,7 @@ function show(name) { location.hash = name; }
 
 function select() {
   const name = location.hash.slice(1);
-  current = views.find((it) => it.name === name) ?? views[0];
+  current = views.find((it) => it.name === name && !it.tab.hidden) ?? views[0];
   for (const it of views) {
     it.tab.setAttribute("aria-selected", String(it === current));
     it.tab.tabIndex = it === current ? 0 : -1;
@@ -74,13 +79,14 @@ function header(now) {
   const ended = store.end !== null;
   text(byId("name"), store.system?.name ?? "asmotion");
   text(byId("clock"), store.system ? [store.system.profile, store.system.clock].filter(Boolean).join(" · ") : "");
-  text(byId("time"), `${store.t.toFixed(1)} s`);
+  text(byId("time"), `${(store.recording ? store.cursor : store.t).toFixed(1)} s`);
   const lost = silence > 0 && !ended;
   document.body.classList.toggle("lost", lost);
   document.body.classList.toggle("paused", app.paused);
   const chip = byId("connection");
-  className(chip, `chip ${ended ? "note" : lost ? "bad" : "good"}`);
-  text(chip, ended ? "■ ended" : lost ? `▲ no connection for ${Math.floor(silence / 1000)} s` : "● live");
+  const calm = store.recording ? "note" : "good";
+  className(chip, `chip ${ended ? "note" : lost ? "bad" : calm}`);
+  text(chip, ended ? "■ ended" : lost ? `▲ no connection for ${Math.floor(silence / 1000)} s` : store.recording ? "■ recording" : "● live");
   control.draw(byId("control"), lost || ended);
   banner(lost, ended, silence, now);
 }
@@ -88,7 +94,8 @@ function header(now) {
 function banner(lost, ended, silence, now) {
   const place = byId("banner");
   let words = "", action = null;
-  if (ended) words = `The run has ended: ${store.end}. What is shown is its last state.`;
+  if (store.recording && !lost) words = store.recording.problem ? `The recording is INCOMPLETE: ${store.recording.problem}.` : "";
+  else if (ended) words = `The run has ended: ${store.end}. What is shown is its last state.`;
   else if (lost) words = `No connection to the system for ${span(silence / 1000)}: what is shown is outdated.`;
   else if (app.paused) [words, action] = [`The view is paused for ${span((now - pausedAt) / 1000)}; the system continues.`, ["Resume", pause]];
   else if (store.cursor !== null) [words, action] = [`Showing ${store.cursor.toFixed(2)} s, ${span(Math.max(0, store.t - store.cursor))} ago.`, ["Back to live", () => seek(null)]];
@@ -116,7 +123,7 @@ const announce = (() => {
   return (now) => {
     if (now - last < 1000 || !store.system) return;
     const states = store.system.specifications.filter((it) => it.diagram).map((it) => {
-      const value = store.states[it.component]?.locations[it.diagram.location]?.value;
+      const value = store.locationsAt(it.component)[it.diagram.location]?.value;
       return value ? `${it.component}: ${value}` : "";
     });
     const words = states.filter(Boolean).join(", ");
@@ -130,29 +137,32 @@ function draw(now) {
   if (store.system !== shownSystem) {
     shownSystem = store.system;
     for (const it of views) it.view = null;
+    follow();
     select();
   }
   const texts = forced || now - lastTexts > TEXTS;
   if (texts) { header(now); announce(now); }
   if (store.system && (!app.paused || forced)) {
     current.view?.draw(now, texts);
-    link.subscribe([...new Set([...BASE, ...store.ofType("nav_msgs/Odometry"), ...store.ofType("youbot/JointStatus"), ...(current.view?.streams() ?? [])])].slice(0, 60));
+    playback?.draw(now, texts);
+    const changed = link.subscribe([...new Set([...BASE, ...store.ofType("nav_msgs/Odometry"), ...store.ofType("youbot/JointStatus"), ...(current.view?.streams() ?? [])])].slice(0, 60));
+    if (changed) playback?.ask();
   }
   if (texts) { lastTexts = now; forced = false; }
   link.acknowledge();
 }
 
 function key(event) {
-  const inField = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName);
+  const inField = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range";
   if (event.key === "Escape" && inField) return event.target.blur();
   if (inField || event.ctrlKey || event.metaKey || event.altKey) return;
   const index = Number(event.key) - 1;
   if (views[index]) show(views[index].name);
-  else if (event.key === " " && event.target.tagName !== "BUTTON") pause();
+  else if (event.key === " " && event.target.tagName !== "BUTTON") { if (playback) playback.key(event); else pause(); }
   else if (event.key === "[" || event.key === "]") step(event.key === "]" ? 1 : -1);
   else if (event.key === "/") byId("view").querySelector("input")?.focus();
-  else if (!current.view?.key?.(event)) {
-    if (event.key === "Escape" && store.cursor !== null) seek(null); else return;
+  else if (!current.view?.key?.(event) && !playback?.key(event)) {
+    if (event.key === "Escape" && store.isBack) seek(null); else return;
   }
   event.preventDefault();
 }
@@ -161,9 +171,21 @@ function key(event) {
 function step(by) {
   const at = store.cursor ?? Infinity;
   const found = by < 0 ? store.steps.findLast((it) => it.t < at - 1e-9) : store.steps.find((it) => it.t > at + 1e-9);
-  if (found) seek(by < 0 && store.cursor === null ? store.steps.at(-1).t : found.t); else if (by > 0) seek(null);
+  if (found) seek(by < 0 && store.cursor === null ? store.steps.at(-1).t : found.t); else if (by > 0 && !playback) seek(null);
 }
 Object.assign(app, { step });
+
+/** Adapts the page to what is shown: a running system, or a recording, which has no present and nothing to control. */
+function follow() {
+  playback = store.recording ? new Playback(app) : null;
+  document.body.classList.toggle("recorded", !!playback);
+  const place = byId("playback");
+  place.hidden = !playback;
+  place.replaceChildren(...(playback ? [playback.root] : []));
+  byId("pause").hidden = !!playback;
+  for (const it of views) it.tab.hidden = !!playback && it.name === "components";
+  playback?.ask();
+}
 
 function build() {
   const tabs = byId("tabs");

@@ -103,7 +103,7 @@ export class MapView {
       let shown = trail;
       if (store.cursor !== null) {
         shown = trail.filter((it) => it[0] <= store.cursor + 1e-9);
-        pose = shown.at(-1)?.slice(1) ?? null;
+        if (store.isBack) pose = shown.at(-1)?.slice(1) ?? null;
       }
       return { name, pose, trail: shown, sample, stale: store.isStale(name) };
     });
@@ -248,7 +248,7 @@ export class MapView {
     const scan = store.samples.get(name)?.data;
     const robot = robots.find((it) => composite(it.name) === composite(name)) ?? robots[0];
     // a scan of the past does not belong to a pose of now
-    if (!scan || !robot?.pose || store.cursor !== null) return;
+    if (!scan || !robot?.pose || store.isBack) return;
     const [x, y, heading] = robot.pose;
     context.fillStyle = store.isStale(name) ? this.colours.faint : this.colours["map-laser"];
     scan.ranges.forEach((range, index) => {

@@ -173,7 +173,7 @@ export class Overview {
       const stale = robot.stale && store.cursor === null;
       rows.push([`pose of ${label}`, pose ? `${pose[0].toFixed(2)}, ${pose[1].toFixed(2)} m  ${(pose[2] * 180 / Math.PI).toFixed(0)}°` : "unknown", stale ? `stale ${((store.age(robot.name) ?? 0) / 1000).toFixed(1)} s` : ""]);
       const twist = robot.sample?.data.twist.twist;
-      if (twist && store.cursor === null) rows.push([`twist of ${label}`, `${twist.linear.x.toFixed(2)} m/s  ${twist.angular.z.toFixed(2)} rad/s`, stale ? "stale" : ""]);
+      if (twist && !store.isBack) rows.push([`twist of ${label}`, `${twist.linear.x.toFixed(2)} m/s  ${twist.angular.z.toFixed(2)} rad/s`, stale ? "stale" : ""]);
       const goal = goals.find((it) => it.name.split("/")[0] === robot.name.split("/")[0]) ?? goals[0];
       if (goal && pose) rows.push([`goal, distance`, `${goal.pose[0].toFixed(2)}, ${goal.pose[1].toFixed(2)} m  in ${Math.hypot(goal.pose[0] - pose[0], goal.pose[1] - pose[1]).toFixed(2)} m`, ""]);
     }

@@ -21,7 +21,7 @@ export class Spec {
     this.choices = el("p", { class: "faint" });
     this.properties = el("div", { class: "findings" });
     const button = (words, title, action) => el("button", { type: "button", title, onclick: action }, words);
-    const steps = [this.step, el("span", { class: "grow" }), button("◀ step", "Previous step ([)", () => this.move(-1)), button("step ▶", "Next step (])", () => this.move(1)), button("Live", "Back to live (Esc)", () => app.seek(null))];
+    const steps = [this.step, el("span", { class: "grow" }), button("◀ step", "Previous step ([)", () => this.move(-1)), button("step ▶", "Next step (])", () => this.move(1)), app.store.recording ? null : button("Live", "Back to live (Esc)", () => app.seek(null))];
     const head = (...names) => el("thead", {}, el("tr", {}, names.map((name) => el("th", {}, name))));
     const sets = el("div", { class: "body" },
       el("table", { id: "updates" }, head("location", "before", "after", "by"), this.updates),
@@ -75,7 +75,7 @@ export class Spec {
     const steps = store.stepsOf(this.component);
     const at = steps.indexOf(store.stepAt(this.component));
     const next = by < 0 && store.cursor === null ? steps.at(-2) ?? steps.at(-1) : steps[at + by];
-    if (next) this.app.seek(next.t); else if (by > 0) this.app.seek(null);
+    if (next) this.app.seek(next.t); else if (by > 0 && !store.recording) this.app.seek(null);
     const place = next?.step.updates[0]?.place;
     if (place) this.reveal(place);
   }
@@ -86,7 +86,7 @@ export class Spec {
     const entry = store.stepAt(this.component);
     const step = entry?.step;
     const locations = store.locationsAt(this.component);
-    text(this.step, step ? `step ${step.number} at ${entry.t.toFixed(2)} s${store.cursor === null ? "" : ", back in time"}` : "no step has written anything yet");
+    text(this.step, step ? `step ${step.number} at ${entry.t.toFixed(2)} s${store.isBack ? ", back in time" : ""}` : "no step has written anything yet");
     const make = (count) => () => el("tr", {}, Array.from({ length: count }, (_, index) => el("td", { class: index ? "value" : "" })));
     list(this.updates, step?.updates ?? [], (it) => it.location, make(4), (row, it) => {
       const [location, before, after, by] = row.children;

@@ -10,6 +10,7 @@ export class Store {
   constructor() {
     /** @type {any} */ this.system = null;
     this.rate = 30;
+    this.recording = null;
     this.control = false;
     this.connectedSince = null;
     this.lastFrame = performance.now();
@@ -39,13 +40,24 @@ export class Store {
     /** Numbers of changes, by which views see what is new. */
     this.changes = { components: 0, outputs: 0, steps: 0, log: 0, samples: 0 };
     /** Types of ports by name. @type {Map<string, string>} */ this.types = new Map();
-    /** The time that all views show; null is now. @type {number | null} */ this.cursor = null;
+    /** The time that all views show; null is now, which a recording does not have. @type {number | null} */ this.cursor = null;
+    /** Times of a recording between which the known steps and entries suffice. */ this.valid = [Infinity, -Infinity];
   }
+
+  /** Whether the views show a time before the newest samples. Those of a recording are always of the time that is shown. */
+  get isBack() { return this.cursor !== null && !this.recording; }
 
   connected(hello) {
     const same = JSON.stringify(this.system) === JSON.stringify(hello.system);
+    const cursor = same ? this.cursor : null;
     // the run may be another one: what is known of the last one is not mixed with it
     this.reset();
+    /** What only a recording has. @type {any} */ this.recording = hello.system.recording ?? null;
+    if (this.recording) {
+      this.t = this.recording.end;
+      this.cursor = cursor ?? this.t;
+      this.trails = new Map(Object.entries(this.recording.trails));
+    }
     this.restarted = this.system !== null && !same;
     this.system = hello.system;
     this.control = hello.control;
@@ -79,6 +91,46 @@ export class Store {
     if (frame.steps) this.step(frame);
     if (frame.log || frame.calls) this.note(frame);
     for (const [name, sample] of Object.entries(frame.samples ?? {})) this.sample(name, sample);
+  }
+
+  /** Takes the moment of a recording that is shown: samples up to then, and the steps and entries around it if they were missing. */
+  moment(moment) {
+    this.lastFrame = performance.now();
+    this.outputs = moment.outputs;
+    this.output = new Map(moment.outputs.map((it) => [it.name, it]));
+    for (const [name, sample] of Object.entries(moment.samples)) {
+      if (sample === null) this.samples.delete(name);
+      else if ("data" in sample) this.samples.set(name, { ...sample, data: revived(sample.data) });
+    }
+    if (moment.window) this.window(moment.window);
+    this.changes.samples++;
+    this.changes.outputs++;
+  }
+
+  /** Replaces steps, states and entries. @param {any} window */
+  window(window) {
+    this.valid = window.valid;
+    this.states = window.states;
+    this.history = new Map();
+    for (const entry of window.history) {
+      // numbers of steps begin again after a reset
+      entry.key = `s${entry.component}${entry.index}`;
+      if (!this.history.has(entry.component)) this.history.set(entry.component, []);
+      this.history.get(entry.component).push(entry);
+    }
+    this.knownSince = new Map([...this.history].map(([component, steps]) => [component, steps[0].index === 0 ? 0 : steps[0].t]));
+    this.log = [...window.log, ...window.calls].sort((one, other) => one.t - other.t);
+    for (const it of this.log) it.key = `l${it.t} ${it.kind} ${it.component} ${it.text}`;
+    this.series = new Map(Object.entries(window.series).map(([name, samples]) => [name, samples.map(revived)]));
+    this.changes.steps++;
+    this.changes.log++;
+  }
+
+  /** Changes of the control state of a component that are known, oldest first: { t, before, after }. */
+  controlChanges(component, location) {
+    const recorded = this.recording?.changes[component];
+    if (recorded) return recorded.map(([t, before, after]) => ({ t, before, after }));
+    return this.stepsOf(component).flatMap((it) => it.step.updates.filter((update) => update.location === location && update.before !== update.after).map((update) => ({ t: it.t, ...update })));
   }
 
   note(frame) {

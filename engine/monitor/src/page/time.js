@@ -18,7 +18,7 @@ export class Time {
     this.hint = el("span", { class: "faint" }, "click: all views show this time · wheel: more or less");
     this.note = el("p", { class: "empty", hidden: true });
     const legend = el("span", { class: "legend" }, [["accent", "step"], ["good", "call"], ["serie-3", "message"], ["bad", "fault, loss"]].map(([name, words]) => el("span", {}, swatch(name), words)));
-    this.root = el("div", { class: "grid time-view" }, panel("Time", "lanes-panel", [legend, el("span", { class: "grow" }), this.hint, this.choice, el("button", { type: "button", onclick: () => app.seek(null) }, "Live")], el("div", { class: "lanes" }, this.canvas), this.note));
+    this.root = el("div", { class: "grid time-view" }, panel("Time", "lanes-panel", [legend, el("span", { class: "grow" }), this.hint, this.choice, app.store.recording ? null : el("button", { type: "button", onclick: () => app.seek(null) }, "Live")], el("div", { class: "lanes" }, this.canvas), this.note));
     this.canvas.addEventListener("pointerdown", (event) => this.point(event));
     this.canvas.addEventListener("pointermove", (event) => { if (event.buttons) this.point(event); else this.hover(event); });
     this.canvas.addEventListener("wheel", (event) => {
@@ -73,6 +73,8 @@ export class Time {
   }
 
   draw(now, texts) {
+    // steps and entries of a recording are asked for as far as they are shown
+    this.app.span = this.span * 1.3;
     if (!texts) return;
     const { store } = this.app;
     const { context, width, height } = fitted(this.canvas);
@@ -138,11 +140,11 @@ export class Time {
   /** The control state over time. */
   band(context, { component, diagram }, y) {
     const { store } = this.app;
-    const changes = store.stepsOf(component).flatMap((it) => it.step.updates.filter((update) => update.location === diagram.location && update.before !== update.after).map((update) => ({ t: it.t, ...update })));
+    const changes = store.controlChanges(component, diagram.location);
     const present = store.states[component]?.locations[diagram.location]?.value ?? diagram.initial ?? "";
     const parts = changes.map((it, index) => ({ from: it.t, to: changes[index + 1]?.t ?? store.t, state: it.after }));
     // what was before the first known step is not known
-    parts.unshift({ from: store.knownSince.get(component) ?? 0, to: changes[0]?.t ?? store.t, state: changes[0]?.before ?? present });
+    parts.unshift({ from: store.recording ? 0 : store.knownSince.get(component) ?? 0, to: changes[0]?.t ?? store.t, state: changes[0]?.before ?? present });
     for (const { from, to, state } of parts) {
       const [left, right] = [Math.max(LEFT, this.toColumn(from)), Math.min(this.width - 10, this.toColumn(to))];
       if (right <= left) continue;
@@ -182,6 +184,7 @@ export class Time {
       const y = row(it.component);
       if (y === null || it.t < begin || it.t > this.end) continue;
       const large = it.step.updates.some((update) => update.before !== update.after);
+      context.fillStyle = this.colours[it.step.updates.length ? "accent" : "faint"];
       context.fillRect(this.toColumn(it.t) - 1, y - (large ? 10 : 4), 2, large ? 20 : 8);
     }
   }

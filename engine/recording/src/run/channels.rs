@@ -1,8 +1,10 @@
 //! The channels of a recording, by what they record.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use super::queue::ChannelAbout;
+use super::queue::{ChannelAbout, ChannelSchema};
+use super::ros_type::RosType;
 
 /// Kind of the messages in a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,11 +23,13 @@ pub(super) enum ChannelKind {
     Event,
 }
 
-/// The place of a message: the number of its channel, and its number there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The place of a message: the number of its channel, its number there, and its type.
+#[derive(Clone, Debug)]
 pub(super) struct MessagePlace {
     pub channel: u32,
     pub sequence: u32,
+    /// Type of ROS 2; `None` for JSON.
+    pub ros: Option<Arc<RosType>>,
 }
 
 #[derive(Debug)]
@@ -34,6 +38,8 @@ struct RecordedChannel {
     number: Option<u32>,
     /// Number of its last message.
     sequence: u32,
+    /// Type of ROS 2 of its messages; `None` for JSON.
+    ros: Option<Arc<RosType>>,
 }
 
 type ChannelsByName = BTreeMap<String, RecordedChannel>;
@@ -55,6 +61,7 @@ impl ChannelTable {
         Some(MessagePlace {
             channel: number,
             sequence: channel.sequence,
+            ros: channel.ros.clone(),
         })
     }
 
@@ -81,6 +88,10 @@ impl ChannelTable {
         let channel = RecordedChannel {
             number,
             sequence: 0,
+            ros: about.and_then(|about| match &about.schema {
+                ChannelSchema::Json(..) => None,
+                ChannelSchema::Ros(of) => Some(Arc::clone(of)),
+            }),
         };
         names.insert(name.to_owned(), channel);
         number

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use asmotion_datum::Schema;
 
+use crate::profile::RecordingProfile;
+
 /// The reaction to a full queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overflow {
@@ -27,6 +29,8 @@ pub struct RecorderOptions {
     pub steps: bool,
     /// Size at which a further file begins, in bytes.
     pub rotate_bytes: Option<u64>,
+    /// Readers of the recording.
+    pub profile: RecordingProfile,
     /// Reaction to a full queue.
     pub overflow: Overflow,
     /// Time of the beginning of the run, in nanoseconds since 1970; 0 in virtual time.
@@ -46,6 +50,7 @@ impl Default for RecorderOptions {
             calls: true,
             steps: true,
             rotate_bytes: None,
+            profile: RecordingProfile::default(),
             overflow: Overflow::Wait,
             epoch_ns: 0,
             facts: BTreeMap::new(),
@@ -99,13 +104,9 @@ impl RecordingFile {
         }
     }
 
-    /// The name of a part of a recording that is divided into several files: `run.part2.mcap`.
+    /// The name of a part of a recording whose first file is this one: `run.part2.mcap`.
     pub(super) fn part(&self, number: u32) -> Self {
-        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
-        Self::new(
-            self.path
-                .with_file_name(format!("{stem}.part{number}.mcap")),
-        )
+        Self::new(part_path(&self.path, number))
     }
 
     fn numbered(&self, number: u32) -> PathBuf {
@@ -117,6 +118,16 @@ impl RecordingFile {
         self.path
             .with_file_name(format!("{stem}-{number}.{suffix}"))
     }
+}
+
+/// The usual path of a part of the recording that begins with a file, or to which a part belongs.
+pub fn part_path(file: &Path, number: u32) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = match stem.rsplit_once(".part") {
+        Some((first, part)) if part.parse::<u32>().is_ok() => first,
+        Some(_) | None => &stem,
+    };
+    file.with_file_name(format!("{stem}.part{number}.mcap"))
 }
 
 fn is_special(path: &Path) -> bool {

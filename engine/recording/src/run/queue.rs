@@ -1,10 +1,11 @@
 //! The queue between the recorder and the thread that writes: bounded by the bytes that wait.
 
 use std::collections::VecDeque;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::options::Overflow;
+use super::ros_type::RosType;
 
 /// Capacity of the queue, in bytes of messages.
 const CAPACITY: usize = 64 << 20;
@@ -26,16 +27,43 @@ pub(super) enum WriterJob {
     /// Describes the channel with this number, before its first message.
     Channel { channel: u32, about: ChannelAbout },
     /// A text to attach.
-    Attachment { name: String, text: String },
+    Attachment { text: AttachedText },
+}
+
+/// A text that belongs to a recording.
+#[derive(Clone, Debug)]
+pub(super) struct AttachedText {
+    pub name: String,
+    pub text: String,
+    /// Time of the run from which on it holds, in nanoseconds.
+    pub at_ns: u64,
 }
 
 /// The description of a channel.
 #[derive(Clone, Debug)]
 pub(super) struct ChannelAbout {
     pub topic: String,
-    /// Name and text of the JSON Schema of its messages.
-    pub schema: (String, String),
+    pub schema: ChannelSchema,
     pub facts: Vec<(&'static str, String)>,
+}
+
+/// The type of the messages of a channel.
+#[derive(Clone, Debug)]
+pub(super) enum ChannelSchema {
+    /// JSON, with the name and the text of its JSON Schema.
+    Json(String, String),
+    /// A message of ROS 2, in CDR.
+    Ros(Arc<RosType>),
+}
+
+impl ChannelSchema {
+    /// Size of the definition, in bytes.
+    fn size(&self) -> usize {
+        match self {
+            Self::Json(_, text) => text.len(),
+            Self::Ros(of) => of.definition.len(),
+        }
+    }
 }
 
 impl WriterJob {
@@ -44,8 +72,8 @@ impl WriterJob {
         OVERHEAD
             + match self {
                 Self::Message { data, .. } => data.len(),
-                Self::Channel { about, .. } => about.schema.1.len(),
-                Self::Attachment { text, .. } => text.len(),
+                Self::Channel { about, .. } => about.schema.size(),
+                Self::Attachment { text } => text.text.len(),
             }
     }
 }
@@ -163,7 +191,6 @@ impl JobQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Arc;
 
     fn message(size: usize) -> WriterJob {
         WriterJob::Message {

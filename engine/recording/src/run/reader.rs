@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use asmotion_component::Time;
 use asmotion_coordinator::RecordedCycle;
@@ -11,7 +12,9 @@ use mcap::records::{Channel, MessageHeader, Metadata, Record};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::chain::{StepHashes, is_intact};
-use super::writer::{END_FACTS, RUN_FACTS};
+use super::message_data::{KnownChannel, MessageData, MessageEncoding};
+use super::ros_type::RosType;
+use super::writer::{CDR, CHANNEL, CONTENT, END_FACTS, PORT, ROS2_DEFINITION, RUN_FACTS, TYPE};
 use crate::read::RecordingError;
 
 /// Limit for the size of a record, against files that are none.
@@ -43,8 +46,8 @@ pub enum RecordingItem {
         channel: String,
         /// Time of the message in the run.
         at: Time,
-        /// The message as JSON.
-        data: Vec<u8>,
+        /// The message.
+        data: MessageData,
     },
     /// The end of the file.
     End(FileEnd),
@@ -91,18 +94,24 @@ pub struct RunReader {
     reader: LinearReader,
     /// Facts about the run, as written at its start.
     facts: BTreeMap<String, String>,
-    channels: BTreeMap<u16, KnownChannel>,
+    schemas: BTreeMap<u16, KnownSchema>,
+    channels: BTreeMap<u16, Arc<KnownChannel>>,
     waiting: VecDeque<RecordingItem>,
     has_end: bool,
     is_done: bool,
     epoch_ns: u64,
 }
 
-/// A channel of the file.
-enum KnownChannel {
-    /// The steps of a component.
-    Steps(String),
-    Other(String),
+/// A schema of the file.
+struct KnownSchema {
+    name: String,
+    /// The type of ROS 2 that it defines.
+    ros: Option<Arc<RosType>>,
+}
+
+/// The component whose steps a channel contains.
+fn stepping(channel: &str) -> Option<&str> {
+    channel.strip_prefix(STEPS.0)?.strip_suffix(STEPS.1)
 }
 
 /// The next thing that the file contains.
@@ -129,6 +138,7 @@ impl RunReader {
             file,
             reader: LinearReader::new_with_options(options),
             facts: BTreeMap::new(),
+            schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             waiting: VecDeque::new(),
             has_end: false,
@@ -204,7 +214,19 @@ impl RunReader {
     fn record(&mut self, record: Record<'_>) -> Next {
         match record {
             Record::Channel(channel) => {
-                self.channels.insert(channel.id, known_channel(&channel));
+                let known = self.known_channel(&channel);
+                self.channels.insert(channel.id, Arc::new(known));
+                Next::Nothing
+            }
+            Record::Schema { header, data } => {
+                let definition = String::from_utf8_lossy(&data);
+                let read = (header.encoding == ROS2_DEFINITION)
+                    .then(|| RosType::read(&header.name, &definition));
+                let known = KnownSchema {
+                    name: header.name,
+                    ros: read.flatten().map(Arc::new),
+                };
+                self.schemas.insert(header.id, known);
                 Next::Nothing
             }
             Record::Attachment { header, data, .. } => Next::Item(RecordingItem::Text {
@@ -215,7 +237,6 @@ impl RunReader {
             Record::Message { header, data } => self.message(&header, data.into_owned()),
             Record::Header(_)
             | Record::Footer(_)
-            | Record::Schema { .. }
             | Record::Chunk { .. }
             | Record::MessageIndex(_)
             | Record::ChunkIndex(_)
@@ -228,28 +249,53 @@ impl RunReader {
         }
     }
 
-    fn message(&mut self, header: &MessageHeader, data: Vec<u8>) -> Next {
-        match self.channels.get(&header.channel_id) {
-            None => Next::Nothing,
-            Some(KnownChannel::Other(channel)) => {
-                let nanos = header.log_time.saturating_sub(self.epoch_ns);
-                Next::Item(RecordingItem::Message {
-                    channel: channel.clone(),
-                    at: Time::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX)),
-                    data,
-                })
+    fn message(&mut self, header: &MessageHeader, bytes: Vec<u8>) -> Next {
+        let Some(channel) = self.channels.get(&header.channel_id) else {
+            return Next::Nothing;
+        };
+        let data = MessageData {
+            bytes,
+            channel: Arc::clone(channel),
+        };
+        let Some(component) = stepping(&channel.name) else {
+            let nanos = header.log_time.saturating_sub(self.epoch_ns);
+            return Next::Item(RecordingItem::Message {
+                channel: channel.name.clone(),
+                at: Time::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX)),
+                data,
+            });
+        };
+        match chained_cycle(&data) {
+            Some(step) => Next::Item(RecordingItem::Step {
+                component: component.to_owned(),
+                step: Box::new(step),
+            }),
+            None => {
+                let record = header.sequence;
+                let reason = format!("record {record} of `{component}` is no step");
+                self.cut(reason)
             }
-            Some(KnownChannel::Steps(component)) => match chained_cycle(&data) {
-                Some(step) => Next::Item(RecordingItem::Step {
-                    component: component.clone(),
-                    step: Box::new(step),
-                }),
-                None => {
-                    let record = header.sequence;
-                    let reason = format!("record {record} of `{component}` is no step");
-                    self.cut(reason)
-                }
-            },
+        }
+    }
+
+    fn known_channel(&self, channel: &Channel) -> KnownChannel {
+        let name = channel.metadata.get(CHANNEL).unwrap_or(&channel.topic);
+        let schema = self.schemas.get(&channel.schema_id);
+        let of = schema.and_then(|schema| schema.ros.clone());
+        let of = of.filter(|_| channel.message_encoding == CDR);
+        let named = channel.metadata.get(TYPE);
+        let kind = named.or(schema.map(|schema| &schema.name));
+        let kind = kind.map(|name| name.replace("/msg/", "/"));
+        let encoding = match of {
+            None => MessageEncoding::Json,
+            Some(of) if channel.metadata.contains_key(CONTENT) => MessageEncoding::JsonInRos(of),
+            Some(of) => MessageEncoding::Ros(of),
+        };
+        KnownChannel {
+            name: name.clone(),
+            kind: kind.unwrap_or_default(),
+            port: channel.metadata.get(PORT).cloned(),
+            encoding,
         }
     }
 
@@ -303,19 +349,11 @@ impl Iterator for RunReader {
     }
 }
 
-fn known_channel(channel: &Channel) -> KnownChannel {
-    let component = channel.topic.strip_prefix(STEPS.0);
-    match component.and_then(|rest| rest.strip_suffix(STEPS.1)) {
-        Some(component) => KnownChannel::Steps(component.to_owned()),
-        None => KnownChannel::Other(channel.topic.clone()),
-    }
-}
-
-fn chained_cycle(data: &[u8]) -> Option<ChainedCycle> {
-    let text = std::str::from_utf8(data).ok()?;
+fn chained_cycle(data: &MessageData) -> Option<ChainedCycle> {
+    let text = data.json().ok()?;
     Some(ChainedCycle {
-        cycle: serde_json::from_str(text).ok()?,
-        hashes: serde_json::from_str(text).ok()?,
-        is_intact: is_intact(text),
+        cycle: serde_json::from_str(&text).ok()?,
+        hashes: serde_json::from_str(&text).ok()?,
+        is_intact: is_intact(&text),
     })
 }

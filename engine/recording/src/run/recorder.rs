@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 
 use asmotion_component::{CallError, CallId, Time};
 use asmotion_coordinator::{FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT};
-use asmotion_datum::{Datum, Sample, json};
+use asmotion_datum::{Datum, Sample, Schema, json};
 use asmotion_runtime::{Event, Observer};
 use serde_json::{Value, json};
 
@@ -16,9 +16,10 @@ use super::chain::{StepChain, text_hash};
 use super::channels::{ChannelKind, ChannelTable};
 use super::event_record::{datum_json, event_record};
 use super::options::{RecorderOptions, RecordingFile};
-use super::queue::{ChannelAbout, JobQueue, WriterJob};
+use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
+use super::ros_type::RosType;
 use super::schemas;
-use super::writer::{RecordingEnd, RecordingFailure, RecordingWriter};
+use super::writer::{PORT, RecordingEnd, RecordingFailure, RecordingWriter};
 use crate::pattern::PortPatterns;
 
 /// A recording of a run in progress. Pass [`observer`](Self::observer) to the system before it runs, and call
@@ -26,22 +27,27 @@ use crate::pattern::PortPatterns;
 ///
 /// | channel | messages |
 /// |---|---|
-/// | `topic/NAME` | samples published to a topic, or arriving from outside |
-/// | `port/COMPONENT.PORT` | samples of other ports |
+/// | `topic/NAME` | samples that components publish to a topic |
+/// | `port/COMPONENT.PORT` | samples of other outputs, and samples that arrive at an input from outside |
 /// | `call/COMPONENT.REFERENCE.OPERATION` | requests, and the replies or faults that end them, with the duration |
 /// | `answer/COMPONENT.SERVICE.OPERATION` | replies of the provider |
 /// | `asm/COMPONENT/step` | steps of a coordinator, [`RecordedCycle`]s with [hashes](super::StepHashes) |
 /// | `events` | life cycle, faults, losses, reports |
 ///
-/// All messages are JSON with a JSON Schema.
+/// Samples of types of ROS 2 are in CDR, all other messages are JSON with a JSON Schema. See
+/// [`RecordingProfile`](crate::RecordingProfile) for other readers.
 #[derive(Debug)]
 pub struct RunRecorder {
     path: PathBuf,
     queue: Arc<JobQueue>,
     counts: Arc<RecordingCounts>,
+    types: SharedTypes,
     options: RecorderOptions,
     thread: Option<JoinHandle<RecordingEnd>>,
 }
+
+/// Message types of ports and topics. They grow when the system changes, and are read when a channel begins.
+type SharedTypes = Arc<Mutex<BTreeMap<String, Schema>>>;
 
 /// Figures that the observer writes and the end of the recording states.
 #[derive(Debug, Default)]
@@ -99,6 +105,7 @@ impl RunRecorder {
             path,
             queue,
             counts,
+            types: Arc::new(Mutex::new(options.types.clone())),
             options,
             thread: Some(thread.map_err(|_| RecordingFailure::Thread)?),
         })
@@ -115,10 +122,26 @@ impl RunRecorder {
             queue: Arc::clone(&self.queue),
             counts: Arc::clone(&self.counts),
             patterns: PortPatterns::new(&self.options.ports),
+            types: Arc::clone(&self.types),
             options: self.options.clone(),
             channels: ChannelTable::default(),
             chains: BTreeMap::new(),
             calls: BTreeMap::new(),
+        }
+    }
+
+    /// Follows a system to its next version from this time on: attaches its texts, and learns the types of its ports and topics.
+    pub fn follow(
+        &self,
+        at: Time,
+        texts: BTreeMap<String, String>,
+        types: BTreeMap<String, Schema>,
+    ) {
+        locked(&self.types).extend(types);
+        for (name, text) in texts {
+            let at_ns = u64::try_from(at.nanos()).unwrap_or_default();
+            let text = AttachedText { name, text, at_ns };
+            self.queue.push_always(WriterJob::Attachment { text });
         }
     }
 
@@ -155,6 +178,7 @@ struct RecordingObserver {
     queue: Arc<JobQueue>,
     counts: Arc<RecordingCounts>,
     patterns: PortPatterns,
+    types: SharedTypes,
     options: RecorderOptions,
     channels: ChannelTable,
     /// The chain of each coordinator.
@@ -237,12 +261,13 @@ impl RecordingObserver {
             let about = is_wanted.then(|| self.of_messages(channel, &place, topic, sample));
             self.add_channel(kind, owner, name, about);
         }
-        self.message(at, (kind, owner, name), || sample_text(sample));
+        self.message(at, (kind, owner, name), |ros| sample_bytes(sample, ros));
     }
 
     /// Records a sample from outside of the system: of a topic, or of a port (`Component.port`).
     fn injected(&mut self, at: Time, target: &str, sample: &dyn Sample) {
-        let is_port = target.contains('.') && !self.options.types.contains_key(&topic_key(target));
+        let is_topic = || locked(&self.types).contains_key(&topic_key(target));
+        let is_port = target.contains('.') && !is_topic();
         let (kind, channel) = if is_port {
             (ChannelKind::Port, format!("port/{target}"))
         } else {
@@ -258,7 +283,7 @@ impl RecordingObserver {
             let about = is_wanted.then(|| self.of_messages(channel, target, topic, sample));
             self.add_channel(kind, owner, name, about);
         }
-        self.message(at, (kind, owner, name), || sample_text(sample));
+        self.message(at, (kind, owner, name), |ros| sample_bytes(sample, ros));
     }
 
     /// The description of a channel of samples.
@@ -269,13 +294,13 @@ impl RecordingObserver {
         topic: Option<&str>,
         sample: &dyn Sample,
     ) -> ChannelAbout {
-        let types = &self.options.types;
+        let types = locked(&self.types);
         let of_topic = topic.and_then(|topic| types.get(&topic_key(topic)));
         let schema = types.get(place).or(of_topic);
         ChannelAbout {
             topic: channel,
             schema: schemas::of_messages(sample.type_name(), schema),
-            facts: vec![("from", place.to_owned())],
+            facts: vec![(PORT, place.to_owned())],
         }
     }
 
@@ -360,7 +385,9 @@ impl RecordingObserver {
             };
             self.add_channel(kind, component, name, Some(about));
         }
-        self.message(at, (kind, component, name), || Some(record.to_string()));
+        self.message(at, (kind, component, name), |_| {
+            Some(record.to_string().into_bytes())
+        });
     }
 
     fn event(&mut self, at: Time, event: &Event<'_>) {
@@ -376,7 +403,7 @@ impl RecordingObserver {
             };
             self.add_channel(place.0, place.1, place.2, Some(about));
         }
-        self.message(at, place, || Some(record.to_string()));
+        self.message(at, place, |_| Some(record.to_string().into_bytes()));
     }
 
     fn step(&mut self, at: Time, component: &str, data: &Datum) {
@@ -399,7 +426,8 @@ impl RecordingObserver {
             let chain = self.chains.get_mut(component)?;
             chain.link(&cycle).ok()
         });
-        let is_recorded = text.is_some_and(|text| self.message(at, place, || Some(text)));
+        let is_recorded =
+            text.is_some_and(|text| self.message(at, place, |_| Some(text.into_bytes())));
         let mut counts = self.counts.coordinators();
         if !counts.contains_key(component) {
             counts.insert(component.to_owned(), CoordinatorCount::default());
@@ -421,8 +449,12 @@ impl RecordingObserver {
         for source in sources {
             let text = std::mem::take(&mut source.text);
             source.hash = text_hash(&text);
-            let name = format!("specification/{}/{}", source.hash, source.path);
-            self.queue.push_always(WriterJob::Attachment { name, text });
+            let text = AttachedText {
+                name: format!("specification/{}/{}", source.hash, source.path),
+                text,
+                at_ns: u64::try_from(cycle.time_ns).unwrap_or_default(),
+            };
+            self.queue.push_always(WriterJob::Attachment { text });
         }
     }
 
@@ -445,23 +477,27 @@ impl RecordingObserver {
         &mut self,
         at: Time,
         (kind, owner, name): (ChannelKind, &str, &str),
-        text: impl FnOnce() -> Option<String>,
+        data: impl FnOnce(Option<&RosType>) -> Option<Vec<u8>>,
     ) -> bool {
         let Some(place) = self.channels.next(kind, owner, name) else {
             // left out by the patterns
             return true;
         };
         self.counts.messages.fetch_add(1, Ordering::Relaxed);
-        let Some(text) = text() else {
+        let Some(data) = data(place.ros.as_deref()) else {
             return false;
         };
         self.queue.push(WriterJob::Message {
             channel: place.channel,
             at_ns: u64::try_from(at.nanos()).unwrap_or_default(),
             sequence: place.sequence,
-            data: text.into_bytes(),
+            data,
         })
     }
+}
+
+fn locked(types: &SharedTypes) -> MutexGuard<'_, BTreeMap<String, Schema>> {
+    types.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn topic_key(topic: &str) -> String {
@@ -481,6 +517,11 @@ fn sample_json(sample: &dyn Sample) -> Value {
     datum.as_ref().map(datum_json).unwrap_or_default()
 }
 
-fn sample_text(sample: &dyn Sample) -> Option<String> {
-    json::encode_datum(&sample.to_datum().ok()?).ok()
+/// A sample as a message of a channel: of a type of ROS 2, or as JSON.
+fn sample_bytes(sample: &dyn Sample, ros: Option<&RosType>) -> Option<Vec<u8>> {
+    let datum = sample.to_datum().ok()?;
+    match ros {
+        Some(of) => of.encode(datum),
+        None => json::encode_datum(&datum).ok().map(String::into_bytes),
+    }
 }

@@ -1,18 +1,26 @@
 //! JSON Schemas of the records in a recording.
 
+use std::sync::Arc;
+
 use asmotion_datum::Schema;
 use asmotion_datum::json_schema::SchemaDefinitions;
 use serde_json::{Value, json};
 
-/// The schema of messages of a type; of any object if the type is unknown.
-pub(super) fn of_messages(name: &str, schema: Option<&Schema>) -> (String, String) {
+use super::queue::ChannelSchema;
+use super::ros_type::RosType;
+
+/// The schema of messages of a type: that of ROS 2 if there is one, otherwise one of JSON; of any object if the type is unknown.
+pub(super) fn of_messages(name: &str, schema: Option<&Schema>) -> ChannelSchema {
+    if let Some(of) = schema.and_then(RosType::of) {
+        return ChannelSchema::Ros(Arc::new(of));
+    }
     let Some(schema) = schema else {
         let name = if name.is_empty() {
             "asmotion.Message"
         } else {
             name
         };
-        return (name.to_owned(), json!({ "type": "object" }).to_string());
+        return ChannelSchema::Json(name.to_owned(), json!({ "type": "object" }).to_string());
     };
     let name = match (&*schema.name, name) {
         ("", "") => "asmotion.Message",
@@ -22,7 +30,7 @@ pub(super) fn of_messages(name: &str, schema: Option<&Schema>) -> (String, Strin
     let mut definitions = SchemaDefinitions::at("#/$defs");
     let root = definitions.schema(schema);
     let root = resolved(root, &definitions.into_value());
-    (name.to_owned(), root.to_string())
+    ChannelSchema::Json(name.to_owned(), root.to_string())
 }
 
 /// Puts the root definition in the place of the reference to it: readers expect an object with properties.
@@ -62,7 +70,7 @@ fn object(properties: Value) -> Value {
 }
 
 /// The schema of a step of a coordinator.
-pub(super) fn step() -> (String, String) {
+pub(super) fn step() -> ChannelSchema {
     let origin =
         object(json!({ "kind": text(), "time_ns": integer(), "frame": texts_by_location() }));
     let source = object(json!({ "path": text(), "hash": text() }));
@@ -84,30 +92,30 @@ pub(super) fn step() -> (String, String) {
         "extended": list(text()), "sent": list(text()), "fault": text(), "frame_hash": text(),
         "state_hash": text(), "previous": text(), "hash": text(),
     }));
-    ("asmotion.Step".to_owned(), schema.to_string())
+    ChannelSchema::Json("asmotion.Step".to_owned(), schema.to_string())
 }
 
 /// The schema of a call and its end.
-pub(super) fn call() -> (String, String) {
+pub(super) fn call() -> ChannelSchema {
     let schema = object(json!({
         "phase": { "enum": ["call", "reply", "fault"] }, "call": integer(), "attempt": integer(),
         "duration_s": { "type": "number" }, "argument": {}, "result": {}, "error": text(),
     }));
-    ("asmotion.Call".to_owned(), schema.to_string())
+    ChannelSchema::Json("asmotion.Call".to_owned(), schema.to_string())
 }
 
 /// The schema of a reply of a provider.
-pub(super) fn answer() -> (String, String) {
+pub(super) fn answer() -> ChannelSchema {
     let schema = object(json!({ "caller": text(), "result": {}, "error": text() }));
-    ("asmotion.Answer".to_owned(), schema.to_string())
+    ChannelSchema::Json("asmotion.Answer".to_owned(), schema.to_string())
 }
 
 /// The schema of an event.
-pub(super) fn event() -> (String, String) {
+pub(super) fn event() -> ChannelSchema {
     let schema = object(json!({
         "kind": text(), "component": text(), "text": text(), "from": text(), "to": text(),
         "port": text(), "property": text(), "count": integer(), "value": {}, "data": {},
         "took_s": { "type": "number" }, "deadline_s": { "type": "number" },
     }));
-    ("asmotion.Event".to_owned(), schema.to_string())
+    ChannelSchema::Json("asmotion.Event".to_owned(), schema.to_string())
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use asmotion_datum::Datum;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -13,7 +14,9 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use super::chain::text_hash;
 use super::file::ChunkFile;
 use super::options::{RecorderOptions, RecordingFile};
-use super::queue::{ChannelAbout, JobQueue, WriterJob};
+use super::queue::{AttachedText, ChannelAbout, ChannelSchema, JobQueue, WriterJob};
+use super::ros_type::RosType;
+use crate::profile::RecordingProfile;
 
 /// Interval at which the writer looks for messages.
 const LOOK: Duration = Duration::from_millis(50);
@@ -30,6 +33,27 @@ pub(super) const RUN_FACTS: &str = "asmotion.run";
 /// Name of the metadata record at the end of a recording. A file without it was cut.
 pub(super) const END_FACTS: &str = "asmotion.end";
 
+/// Encoding of messages without a type of ROS.
+const JSON: &str = "json";
+
+/// Encoding of messages with a type of ROS.
+pub(super) const CDR: &str = "cdr";
+
+/// Encoding of definitions of ROS 2.
+pub(super) const ROS2_DEFINITION: &str = "ros2msg";
+
+/// Fact about a channel with a name of ROS: its own name.
+pub(super) const CHANNEL: &str = "channel";
+
+/// Fact about a channel of texts of ROS: what they are.
+pub(super) const CONTENT: &str = "content";
+
+/// Fact about a channel of samples: the port whose sample began it.
+pub(super) const PORT: &str = "from";
+
+/// Fact about a channel of texts of ROS: name of the type that they describe.
+pub(super) const TYPE: &str = "type";
+
 /// Media type of attached texts.
 const TEXT: &str = "text/plain; charset=utf-8";
 
@@ -45,7 +69,7 @@ pub enum RecordingFailure {
         reason: std::io::Error,
     },
     /// The file cannot be written.
-    #[error("cannot write `{path}`: {reason}")]
+    #[error("cannot write `{path}`: {}", written_reason(reason))]
     Write {
         /// Path of the file.
         path: String,
@@ -55,6 +79,25 @@ pub enum RecordingFailure {
     /// The thread that writes cannot be started, or has ended.
     #[error("the thread that writes the recording has failed")]
     Thread,
+}
+
+/// The name of a channel as a topic of ROS: `/odom` for `topic/odom`, `/port/Laser/scan` for `port/Laser.scan`.
+fn ros_topic(channel: &str) -> String {
+    let name = channel.strip_prefix("topic/").unwrap_or(channel);
+    let characters = name.chars().map(|it| match it {
+        '.' => '/',
+        it if it.is_ascii_alphanumeric() || "/_".contains(it) => it,
+        _ => '_',
+    });
+    ['/'].into_iter().chain(characters).collect()
+}
+
+/// The reason that a file cannot be written. The error of the format has that of the operating system only as its source.
+fn written_reason(reason: &McapError) -> String {
+    match std::error::Error::source(reason) {
+        Some(cause) => cause.to_string(),
+        None => reason.to_string(),
+    }
 }
 
 /// The end of a recording.
@@ -83,8 +126,9 @@ impl RecordingEnd {
 struct OpenFile {
     path: PathBuf,
     writer: Writer<NoSeek<ChunkFile>>,
-    /// Number of each channel in this file.
-    channels: BTreeMap<u32, u16>,
+    profile: RecordingProfile,
+    /// Channels in this file.
+    channels: BTreeMap<u32, FileChannel>,
     /// Hashes of the attached texts.
     attached: BTreeSet<String>,
     /// Bytes of messages and texts, for the size at which the next file begins.
@@ -93,6 +137,14 @@ struct OpenFile {
     flushed_size: u64,
     /// Number of messages since the last flush.
     unflushed: u64,
+}
+
+/// A channel in a file.
+#[derive(Clone)]
+struct FileChannel {
+    id: u16,
+    /// Type of the messages that contain its JSON; `None` if messages are written as they are.
+    text: Option<Arc<RosType>>,
 }
 
 /// Writes jobs to a file, and to a further one when it has reached its size.
@@ -104,7 +156,7 @@ pub(super) struct RecordingWriter {
     /// Number of the open file, from 1.
     part: u32,
     channels: BTreeMap<u32, ChannelAbout>,
-    texts: Vec<(String, String)>,
+    texts: Vec<AttachedText>,
     end: RecordingEnd,
 }
 
@@ -115,7 +167,13 @@ impl RecordingWriter {
         options: RecorderOptions,
         file: RecordingFile,
     ) -> Result<Self, RecordingFailure> {
-        let texts = options.texts.clone().into_iter().collect();
+        let texts = options.texts.clone().into_iter();
+        let texts = texts.map(|(name, text)| AttachedText {
+            name,
+            text,
+            at_ns: 0,
+        });
+        let texts = texts.collect();
         let mut writer = Self {
             queue,
             options,
@@ -126,8 +184,12 @@ impl RecordingWriter {
             texts,
             end: RecordingEnd::default(),
         };
-        let file = writer.file.clone();
-        writer.begin_file(&file)?;
+        let first = writer.file.clone();
+        writer.begin_file(&first)?;
+        // further files are named after the one that was created, whatever number it got
+        if let Some(path) = writer.path() {
+            writer.file = RecordingFile::new(path);
+        }
         Ok(writer)
     }
 
@@ -182,10 +244,10 @@ impl RecordingWriter {
                 self.channels.insert(channel, about);
                 Ok(())
             }
-            WriterJob::Attachment { name, text } => {
+            WriterJob::Attachment { text } => {
                 let epoch_ns = self.options.epoch_ns;
-                let attached = self.on_file(|open| open.attach(&name, &text, epoch_ns));
-                self.texts.push((name, text));
+                let attached = self.on_file(|open| open.attach(&text, epoch_ns));
+                self.texts.push(text);
                 attached
             }
         }
@@ -201,16 +263,23 @@ impl RecordingWriter {
         let about = self.channels.get(&channel).cloned();
         let log_time = self.options.epoch_ns.saturating_add(at_ns);
         self.on_file(|open| {
-            let channel_id = open.channel(channel, about)?;
+            let FileChannel { id, text } = open.channel(channel, about)?;
             let header = MessageHeader {
-                channel_id,
+                channel_id: id,
                 sequence,
                 log_time,
                 publish_time: log_time,
             };
             open.size += data.len() as u64;
             open.unflushed += 1;
-            open.writer.write_to_known_channel(&header, data)
+            let Some(text) = text else {
+                return open.writer.write_to_known_channel(&header, data);
+            };
+            let message = String::from_utf8_lossy(data).into_owned();
+            let message = Datum::record([("data", Datum::Text(message))]);
+            // a text has a form in CDR
+            let message = text.encode(message).unwrap_or_default();
+            open.writer.write_to_known_channel(&header, &message)
         })?;
         self.end.messages += 1;
         let Some(open) = &self.open else {
@@ -268,13 +337,7 @@ impl RecordingWriter {
         let mut facts = self.options.facts.clone();
         facts.insert("part".to_owned(), self.part.to_string());
         facts.insert("epoch_ns".to_owned(), self.options.epoch_ns.to_string());
-        let opened = OpenFile::new(
-            path.clone(),
-            file,
-            facts,
-            &self.texts,
-            self.options.epoch_ns,
-        );
+        let opened = OpenFile::new(path.clone(), file, facts, &self.texts, &self.options);
         let opened = opened.map_err(|reason| RecordingFailure::Write {
             path: path.display().to_string(),
             reason,
@@ -300,10 +363,15 @@ impl OpenFile {
         path: PathBuf,
         file: std::fs::File,
         facts: BTreeMap<String, String>,
-        texts: &[(String, String)],
-        epoch_ns: u64,
+        texts: &[AttachedText],
+        recorder: &RecorderOptions,
     ) -> Result<Self, McapError> {
+        let profile = match recorder.profile {
+            RecordingProfile::Viewers => "",
+            RecordingProfile::Ros2 => "ros2",
+        };
         let options = WriteOptions::new()
+            .profile(profile)
             .compression(None)
             // the writer ends chunks itself, with a flush
             .chunk_size(None)
@@ -311,6 +379,7 @@ impl OpenFile {
             .library(concat!("asmotion ", env!("CARGO_PKG_VERSION")));
         let mut open = Self {
             path,
+            profile: recorder.profile,
             writer: options.create(NoSeek::new(ChunkFile::new(file)))?,
             channels: BTreeMap::new(),
             attached: BTreeSet::new(),
@@ -322,52 +391,78 @@ impl OpenFile {
             name: RUN_FACTS.to_owned(),
             metadata: facts,
         })?;
-        for (name, text) in texts {
-            open.attach(name, text, epoch_ns)?;
+        for text in texts {
+            open.attach(text, recorder.epoch_ns)?;
         }
         open.flush()?;
         Ok(open)
     }
 
     /// Attaches a text, unless the file has it.
-    fn attach(&mut self, name: &str, text: &str, epoch_ns: u64) -> Result<(), McapError> {
+    fn attach(&mut self, attached: &AttachedText, epoch_ns: u64) -> Result<(), McapError> {
+        let AttachedText { name, text, at_ns } = attached;
         if !self.attached.insert(format!("{name} {}", text_hash(text))) {
             return Ok(());
         }
         self.size += text.len() as u64;
+        let time = epoch_ns.saturating_add(*at_ns);
         self.writer.attach(&Attachment {
-            log_time: epoch_ns,
-            create_time: epoch_ns,
-            name: name.to_owned(),
+            log_time: time,
+            create_time: time,
+            name: name.clone(),
             media_type: TEXT.to_owned(),
             data: text.as_bytes().into(),
         })
     }
 
-    /// The number of a channel in this file; it is described before its first message.
-    fn channel(&mut self, channel: u32, about: Option<ChannelAbout>) -> Result<u16, McapError> {
+    /// A channel in this file; it is described before its first message.
+    fn channel(
+        &mut self,
+        channel: u32,
+        about: Option<ChannelAbout>,
+    ) -> Result<FileChannel, McapError> {
         if let Some(known) = self.channels.get(&channel) {
-            return Ok(*known);
+            return Ok(known.clone());
         }
-        let Some(ChannelAbout {
+        // the recorder describes every channel before its messages
+        let unknown = || McapError::UnknownChannel(0, 0);
+        let ChannelAbout {
             topic,
-            schema: (name, schema),
+            schema,
             facts,
-        }) = about
-        else {
-            // the recorder describes every channel before its messages
-            return Err(McapError::UnknownChannel(0, 0));
+        } = about.ok_or_else(unknown)?;
+        let mut facts: BTreeMap<String, String> = facts
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect();
+        let (topic, schema, text) = match (self.profile, schema) {
+            (RecordingProfile::Viewers, schema) => (topic, schema, None),
+            (RecordingProfile::Ros2, schema) => {
+                let name = ros_topic(&topic);
+                facts.insert(CHANNEL.to_owned(), topic);
+                let (of, text) = match schema {
+                    ChannelSchema::Ros(of) => (of, None),
+                    ChannelSchema::Json(name, _) => {
+                        facts.insert(TYPE.to_owned(), name);
+                        facts.insert(CONTENT.to_owned(), JSON.to_owned());
+                        let text = Arc::new(RosType::text().ok_or_else(unknown)?);
+                        (Arc::clone(&text), Some(text))
+                    }
+                };
+                (name, ChannelSchema::Ros(of), text)
+            }
+        };
+        let (name, encoding, definition, messages) = match &schema {
+            ChannelSchema::Json(name, definition) => (name, "jsonschema", definition, JSON),
+            ChannelSchema::Ros(of) => (&of.name, ROS2_DEFINITION, &of.definition, CDR),
         };
         let schema = self
             .writer
-            .add_schema(&name, "jsonschema", schema.as_bytes())?;
-        let facts = facts.into_iter();
-        let facts = facts
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect();
-        let id = self.writer.add_channel(schema, &topic, "json", &facts)?;
-        self.channels.insert(channel, id);
-        Ok(id)
+            .add_schema(name, encoding, definition.as_bytes())?;
+        let id = self.writer.add_channel(schema, &topic, messages, &facts)?;
+        let known = FileChannel { id, text };
+        self.channels.insert(channel, known.clone());
+        Ok(known)
     }
 
     /// Finishes the chunk. The file is readable up to here, whatever happens to the process.
@@ -388,5 +483,61 @@ impl OpenFile {
         let mut file = self.writer.into_inner().into_inner();
         let flushed = file.flush().map_err(McapError::from);
         (file.flushed(), finished.and(flushed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Writes two messages into files of this name that are divided after each of them. Returns the names of the files.
+    fn divided(path: &std::path::Path) -> Vec<String> {
+        let queue = Arc::new(JobQueue::new(crate::Overflow::Wait));
+        let about = ChannelAbout {
+            topic: "topic/go".to_owned(),
+            schema: ChannelSchema::Json("Go".to_owned(), "{}".to_owned()),
+            facts: Vec::new(),
+        };
+        queue.push_always(WriterJob::Channel { channel: 1, about });
+        for sequence in 1..=2 {
+            queue.push(WriterJob::Message {
+                channel: 1,
+                at_ns: 0,
+                sequence,
+                data: b"{}".to_vec(),
+            });
+        }
+        queue.close();
+        let options = RecorderOptions {
+            rotate_bytes: Some(1),
+            ..RecorderOptions::default()
+        };
+        let writer = RecordingWriter::new(queue, options, RecordingFile::new(path));
+        let end = writer.expect("a file").run(&BTreeMap::new);
+        assert!(end.failure.is_none());
+        let names = end.paths.iter().filter_map(|path| path.file_name());
+        names
+            .map(|name| name.to_string_lossy().into_owned())
+            .collect()
+    }
+
+    #[test]
+    fn parts_are_named_after_the_file_that_was_created() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("run.mcap");
+        let first = divided(&path);
+        assert_eq!(first, ["run.mcap", "run.part2.mcap", "run.part3.mcap"]);
+        let second = divided(&path);
+        assert_eq!(
+            second,
+            ["run-2.mcap", "run-2.part2.mcap", "run-2.part3.mcap"]
+        );
+        // a part does not overwrite a file that is there by chance
+        std::fs::write(folder.path().join("run-3.part2.mcap"), "").expect("written");
+        let third = divided(&path);
+        assert_eq!(
+            third,
+            ["run-3.mcap", "run-3.part2-2.mcap", "run-3.part3.mcap"]
+        );
     }
 }

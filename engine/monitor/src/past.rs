@@ -1,0 +1,28 @@
+//! What a tab can go back to: the moments of a run that is over.
+
+use std::collections::BTreeMap;
+
+use asmotion_component::Time;
+
+/// A run that is over.
+pub(crate) trait Past: Send + Sync {
+    /// Time of its last event.
+    fn end(&self) -> Time;
+
+    /// The message about a moment, as JSON.
+    fn moment(&self, request: &MomentRequest<'_>) -> String;
+}
+
+/// A moment that a tab shows.
+pub(crate) struct MomentRequest<'a> {
+    /// Time of the run, in seconds.
+    pub t: f64,
+    /// Time around it that the tab shows, in seconds.
+    pub span: f64,
+    /// Whether the tab needs the steps and log entries around it.
+    pub window: bool,
+    /// Outputs whose samples the tab shows.
+    pub outputs: Vec<&'a str>,
+    /// Numbers of the samples that the tab has.
+    pub has: &'a BTreeMap<String, u64>,
+}

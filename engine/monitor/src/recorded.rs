@@ -1,0 +1,179 @@
+//! A run that was recorded: its steps, log entries and samples, in memory and by time.
+//!
+//! A tab shows one moment: the newest samples up to then, and a window of steps and entries around it. The window has as much as a
+//! tab can show, whatever the length of the run; the tab asks for the next one before it comes to its end.
+
+mod entry;
+mod file;
+mod moment;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use asmotion_component::Time;
+use asmotion_coordinator::StepRecord;
+use asmotion_recording::MessageData;
+use serde::Serialize;
+
+use crate::catalogue::SystemDescription;
+use crate::specification_state::SpecificationState;
+
+/// Number of steps between two stored states of a specification.
+const STATE_EVERY: usize = 256;
+
+/// A recorded run.
+pub struct RecordedRun {
+    pub(crate) system: SystemDescription,
+    pub(crate) past: RunMoments,
+}
+
+impl RecordedRun {
+    /// What is missing in the recording, in words; `None` if it is complete.
+    pub fn problem(&self) -> Option<&str> {
+        self.system.recording.as_ref()?.problem.as_deref()
+    }
+}
+
+/// Everything that happened in a run, by time.
+#[derive(Default)]
+pub(crate) struct RunMoments {
+    steps: BTreeMap<String, RecordedSteps>,
+    /// Log entries without calls.
+    log: Vec<RecordedEntry>,
+    /// Log entries of calls and replies, which can be many.
+    calls: Vec<RecordedEntry>,
+    outputs: BTreeMap<String, RecordedOutput>,
+    /// Names, types and rates of the outputs, as JSON.
+    outputs_json: String,
+    end: Time,
+}
+
+/// The part of a description that only a recording has.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct RecordingDescription {
+    /// Path of the first file.
+    pub file: String,
+    /// Duration of the run, in seconds.
+    pub end: f64,
+    /// What is missing, in words.
+    pub problem: Option<String>,
+    /// Changes of the control state by component: time, state before and after.
+    pub changes: BTreeMap<String, Vec<(f64, String, String)>>,
+    /// Warnings and errors: time, level and text.
+    pub marks: Vec<(f64, &'static str, String)>,
+    /// Driven paths by output: time, x, y and yaw.
+    pub trails: BTreeMap<String, Vec<[f64; 4]>>,
+}
+
+/// A line of the log.
+struct RecordedEntry {
+    at: Time,
+    json: Arc<str>,
+}
+
+/// The samples of an output.
+struct RecordedOutput {
+    topic: Option<String>,
+    kind: String,
+    samples: Vec<(Time, MessageData)>,
+}
+
+/// The steps of a specification.
+struct RecordedSteps {
+    steps: Vec<(Time, StepRecord)>,
+    /// States in which a machine began, by the index of its first step.
+    begins: BTreeMap<usize, Vec<(String, String)>>,
+    /// The state before each step whose index is a multiple of [`STATE_EVERY`].
+    states: Vec<SpecificationState>,
+    /// The state after the last step.
+    last: SpecificationState,
+}
+
+impl RecordedSteps {
+    fn new(initial: &[(String, String)]) -> Self {
+        Self {
+            steps: Vec::new(),
+            begins: BTreeMap::new(),
+            states: Vec::new(),
+            last: SpecificationState::initial(initial),
+        }
+    }
+
+    /// Adds a step. `begin` is the state in which a machine begins with it.
+    fn push(&mut self, at: Time, record: StepRecord, begin: Option<Vec<(String, String)>>) {
+        let index = self.steps.len();
+        if index.is_multiple_of(STATE_EVERY) {
+            self.states.push(self.last.clone());
+        }
+        if let Some(begin) = begin {
+            self.begins.insert(index, begin);
+        }
+        let mut state = std::mem::take(&mut self.last);
+        self.apply(&mut state, index, at, &record);
+        self.last = state;
+        self.steps.push((at, record));
+    }
+
+    fn apply(&self, state: &mut SpecificationState, index: usize, at: Time, record: &StepRecord) {
+        if let Some(begin) = self.begins.get(&index) {
+            state.begin_again(begin);
+        }
+        state.step(at, record);
+    }
+
+    /// The state before the step with this index.
+    fn state_before(&self, index: usize) -> SpecificationState {
+        if index >= self.steps.len() {
+            return self.last.clone();
+        }
+        let stored = index / STATE_EVERY;
+        let mut state = self.states.get(stored).cloned().unwrap_or_default();
+        for index in stored * STATE_EVERY..index {
+            if let Some((at, record)) = self.steps.get(index) {
+                self.apply(&mut state, index, *at, record);
+            }
+        }
+        state
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asmotion_coordinator::UpdateRecord;
+
+    fn step(number: u64) -> StepRecord {
+        StepRecord {
+            number,
+            updates: vec![UpdateRecord {
+                location: "n".to_owned(),
+                before: (number - 1).to_string(),
+                after: number.to_string(),
+                place: "n.asm:1".to_owned(),
+            }],
+            ..StepRecord::default()
+        }
+    }
+
+    fn value_of_n(state: &SpecificationState) -> String {
+        let json = serde_json::to_value(state).expect("JSON");
+        json["locations"]["n"]["value"]
+            .as_str()
+            .expect("n")
+            .to_owned()
+    }
+
+    #[test]
+    fn the_state_of_every_step_is_known_also_after_a_machine_has_begun_again() {
+        let initial = [("n".to_owned(), "0".to_owned())];
+        let mut recorded = RecordedSteps::new(&initial);
+        for number in 1..=600 {
+            recorded.push(Time::ZERO, step(number), None);
+        }
+        recorded.push(Time::ZERO, step(1), Some(initial.to_vec()));
+        for index in [0, 1, 255, 256, 257, 511, 599, 600] {
+            assert_eq!(value_of_n(&recorded.state_before(index)), index.to_string());
+        }
+        assert_eq!(value_of_n(&recorded.state_before(601)), "1");
+    }
+}

@@ -1,0 +1,216 @@
+//! The messages about the moments of a recorded run.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use asmotion_component::Time;
+use serde_json::{Value, json};
+
+use super::{RecordedEntry, RecordedOutput, RecordedSteps, RunMoments};
+use crate::past::{MomentRequest, Past};
+use crate::rendering;
+
+/// Number of steps or entries of a window before its moment, and after it.
+const AROUND: (usize, usize) = (400, 200);
+/// Limit on the number of those that a long span adds on each side.
+const MOST: usize = 2000;
+/// Limit on the number of samples of an output in a window, for charts.
+const SERIES: usize = 4000;
+/// Type of the samples of which a window has all, for charts.
+const CHARTED: &str = "youbot/JointStatus";
+
+/// The part of a sequence that belongs to a window.
+struct WindowRange {
+    range: Range<usize>,
+    /// Times between which the window need not be replaced, in seconds; infinite at an end of the sequence.
+    valid: (f64, f64),
+}
+
+impl Past for RunMoments {
+    fn end(&self) -> Time {
+        self.end
+    }
+
+    fn moment(&self, request: &MomentRequest<'_>) -> String {
+        let t = if request.t.is_finite() {
+            request.t
+        } else {
+            0.0
+        };
+        let t = t.clamp(0.0, self.end.seconds());
+        let samples = request.outputs.iter().filter_map(|name| {
+            let sample = self.outputs.get(*name)?.sample(t, request.has.get(*name));
+            Some(format!("{}:{sample}", rendering::quoted(name)))
+        });
+        let samples: Vec<String> = samples.collect();
+        let window = if request.window {
+            self.window(t, request.span)
+        } else {
+            Value::Null
+        };
+        format!(
+            "{{\"type\":\"moment\",\"t\":{t},\"outputs\":{},\"samples\":{{{}}},\"window\":{window}}}",
+            self.outputs_json,
+            samples.join(",")
+        )
+    }
+}
+
+impl RecordedOutput {
+    /// The newest sample at a time as JSON: `null` before the first one, without its data if the tab has it.
+    fn sample(&self, t: f64, has: Option<&u64>) -> String {
+        let number = self
+            .samples
+            .partition_point(|(at, _)| at.seconds() <= t + 1e-9);
+        let Some((at, data)) = number
+            .checked_sub(1)
+            .and_then(|last| self.samples.get(last))
+        else {
+            return "null".to_owned();
+        };
+        let head = format!("{{\"n\":{number},\"t\":{}", at.seconds());
+        if has.is_some_and(|has| *has == number as u64) {
+            return head + "}";
+        }
+        let data = match data.datum() {
+            Ok(datum) => rendering::json(&datum),
+            Err(error) => format!("{{\"error\":{}}}", rendering::quoted(&error.to_string())),
+        };
+        let kind = rendering::quoted(&self.kind);
+        format!("{head},\"wall\":0,\"type\":{kind},\"data\":{data}}}")
+    }
+
+    /// The samples between two times as objects with a time, for charts.
+    fn series(&self, (from, to): (f64, f64)) -> Vec<Value> {
+        let first = self.samples.partition_point(|(at, _)| at.seconds() < from);
+        let samples = self.samples.iter().skip(first);
+        let samples = samples.take_while(|(at, _)| at.seconds() <= to);
+        let objects = samples.take(SERIES).filter_map(|(at, data)| {
+            let text = rendering::json(&data.datum().ok()?);
+            let mut object: Value = serde_json::from_str(&text).ok()?;
+            object["t"] = json!(at.seconds());
+            Some(object)
+        });
+        objects.collect()
+    }
+}
+
+impl RunMoments {
+    /// Steps, states and entries around a time.
+    fn window(&self, t: f64, span: f64) -> Value {
+        let span = if span.is_finite() {
+            span.clamp(1.0, 3600.0)
+        } else {
+            30.0
+        };
+        let mut valid = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut narrow = |window: &WindowRange| {
+            valid = (valid.0.max(window.valid.0), valid.1.min(window.valid.1));
+        };
+        let (mut history, mut states) = (Vec::new(), BTreeMap::new());
+        for (component, recorded) in &self.steps {
+            let window = window_range(recorded.steps.len(), t, span, |index| {
+                recorded
+                    .steps
+                    .get(index)
+                    .map_or(0.0, |(at, _)| at.seconds())
+            });
+            states.insert(component, recorded.state_before(window.range.end));
+            history.extend(recorded.entries(component, window.range.clone()));
+            narrow(&window);
+        }
+        let mut entries = |all: &[RecordedEntry]| -> Vec<Value> {
+            let window = window_range(all.len(), t, span, |index| {
+                all.get(index).map_or(0.0, |entry| entry.at.seconds())
+            });
+            narrow(&window);
+            let entries = all.get(window.range).unwrap_or_default().iter();
+            // what was written can be read
+            let parsed = entries.filter_map(|entry| serde_json::from_str(&entry.json).ok());
+            parsed.collect()
+        };
+        let (log, calls) = (entries(&self.log), entries(&self.calls));
+        let charted = self.outputs.iter().filter(|(_, it)| it.kind == CHARTED);
+        let around = (t - span.max(120.0), t + span / 2.0);
+        let series: BTreeMap<_, _> = charted
+            .map(|(name, it)| (name, it.series(around)))
+            .collect();
+        if !series.is_empty() {
+            valid = (valid.0.max(t - span / 4.0), valid.1.min(t + span / 4.0));
+        }
+        let end = self.end.seconds();
+        json!({
+            "valid": [valid.0.max(-1.0), valid.1.min(end + 1.0)], "states": states, "history": history, "log": log,
+            "calls": calls, "series": series,
+        })
+    }
+}
+
+impl RecordedSteps {
+    /// Steps in the form of a running system.
+    fn entries(&self, component: &str, range: Range<usize>) -> Vec<Value> {
+        let first = range.start;
+        let steps = self.steps.get(range).unwrap_or_default().iter();
+        let entry = |(index, (at, step)): (usize, &(Time, _))| json!({ "t": at.seconds(), "component": component, "index": first + index, "step": step });
+        steps.enumerate().map(entry).collect()
+    }
+}
+
+/// The part of a sequence, ordered by time, that belongs to the window around a time.
+fn window_range(count: usize, t: f64, span: f64, time: impl Fn(usize) -> f64) -> WindowRange {
+    let position = |t: f64| {
+        let (mut low, mut high) = (0, count);
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if time(middle) <= t {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    };
+    let now = position(t);
+    let before = (now - position(t - span)).clamp(AROUND.0, MOST);
+    let after = (position(t + span) - now).clamp(AROUND.1, MOST);
+    let (from, to) = (now.saturating_sub(before), (now + after).min(count));
+    let low = if from == 0 {
+        f64::NEG_INFINITY
+    } else {
+        time(from + before / 4)
+    };
+    let high = if to == count {
+        f64::INFINITY
+    } else {
+        time(to - after / 4)
+    };
+    WindowRange {
+        range: from..to,
+        valid: (low, high),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_lies_around_its_time_and_says_how_far_it_reaches() {
+        // ten a second
+        let time = |index: usize| index as f64 / 10.0;
+        let window = window_range(10_000, 500.0, 10.0, time);
+        assert_eq!(window.range, 4601..5201);
+        assert_eq!(window.valid, (470.1, 515.1));
+        // a long span has more of them, up to a limit
+        let window = window_range(10_000, 500.0, 100.0, time);
+        assert_eq!(window.range, 4001..6001);
+        let window = window_range(10_000, 500.0, 400.0, time);
+        assert_eq!(window.range, 3001..7001);
+        // at an end, it is valid up to there
+        let window = window_range(10_000, 5.0, 10.0, time);
+        assert_eq!((window.range.start, window.valid.0), (0, f64::NEG_INFINITY));
+        let window = window_range(10_000, 2000.0, 10.0, time);
+        assert_eq!((window.range.end, window.valid.1), (10_000, f64::INFINITY));
+        assert_eq!(window_range(0, 1.0, 10.0, time).range, 0..0);
+    }
+}

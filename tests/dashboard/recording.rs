@@ -1,0 +1,364 @@
+//! The dashboard of a recording: each view at any time of a run that is over.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use asmotion_recording::{RecordingItem, RunReader};
+use serde_json::Value;
+
+use crate::browser::{Browser, Tab};
+use crate::{WIDE, show, with_text};
+
+const ROVER: &str = "Rover/ASMCoordinator";
+
+/// Records the rover and the arm in virtual time.
+fn recorded(folder: &Path) -> PathBuf {
+    let composite =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/dashboard/both.composite.toml");
+    let file = folder.join("run.mcap");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command
+        .arg("run")
+        .arg(composite)
+        .args(["--for", "40", "--until", "tries=3", "--unless", "tries=3"]);
+    let output = command.arg("--record").arg(&file).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(file.exists(), "{said}");
+    file
+}
+
+/// `asmotion dash`. Dropping this ends it.
+struct Shown {
+    process: Child,
+    url: String,
+}
+
+impl Shown {
+    fn start(file: &Path) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command
+            .arg("dash")
+            .arg(file)
+            .args(["--listen", "127.0.0.1:0"]);
+        let mut process = command.stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
+        let url = loop {
+            let line = lines.next().unwrap().unwrap();
+            if line.trim_start().starts_with("Dashboard") {
+                break line.split_whitespace().last().unwrap().to_owned();
+            }
+        };
+        std::thread::spawn(move || lines.for_each(drop));
+        Self { process, url }
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// What a file says, read without the dashboard.
+struct Truth {
+    /// Steps of the rover's coordinator: number, time in s, and the update of its control state.
+    steps: Vec<(u64, f64, Option<(String, String)>)>,
+    /// Odometry of the rover: time in s, and x.
+    odometry: Vec<(f64, f64)>,
+}
+
+impl Truth {
+    fn read(file: &Path) -> Self {
+        let (mut steps, mut odometry) = (Vec::new(), Vec::new());
+        for item in RunReader::open(file).unwrap() {
+            match item {
+                RecordingItem::Step { component, step } if component == ROVER => {
+                    let cycle = step.cycle;
+                    let mut updates = cycle.updates.into_iter();
+                    let mode = updates.find(|it| it.location == "mode" && it.before != it.after);
+                    let mode = mode.map(|it| (it.before, it.after));
+                    steps.push((cycle.number, cycle.time_ns as f64 / 1e9, mode));
+                }
+                RecordingItem::Message { channel, at, data }
+                    if channel.starts_with("topic/Rover/odom")
+                        || channel == "port/Rover/RoverDriver.odom" =>
+                {
+                    let message: Value = serde_json::from_str(&data.json().unwrap()).unwrap();
+                    let x = &message["pose"]["pose"]["position"]["x"];
+                    odometry.push((at.seconds(), x.as_f64().unwrap()));
+                }
+                RecordingItem::Cut(reason) => panic!("{reason}"),
+                RecordingItem::Step { .. }
+                | RecordingItem::Message { .. }
+                | RecordingItem::Text { .. }
+                | RecordingItem::End(_) => {}
+            }
+        }
+        Self { steps, odometry }
+    }
+
+    fn x_at(&self, t: f64) -> f64 {
+        self.odometry
+            .iter()
+            .rfind(|(at, _)| *at <= t + 1e-9)
+            .unwrap()
+            .1
+    }
+
+    fn mode_at(&self, t: f64) -> &str {
+        let until = self.steps.iter().take_while(|(_, at, _)| *at <= t + 1e-9);
+        let mode = until.filter_map(|(_, _, mode)| mode.as_ref()).last();
+        mode.map_or("IDLE", |(_, after)| after)
+    }
+}
+
+/// Moves the line of time, as a hand does.
+fn seek(tab: &mut Tab, t: f64) {
+    tab.eval(&format!(
+        "(() => {{ const it = document.querySelector('#moment'); it.value = '{t}'; it.dispatchEvent(new Event('input')); }})()"
+    ));
+}
+
+fn shows_mode(tab: &mut Tab, mode: &str) {
+    tab.wait(&format!(
+        "{}?.children[1].textContent.replace(/[●○] /, '') === '{mode}'",
+        "[...document.querySelectorAll('.state-panel tbody tr')].find((it) => it.textContent.startsWith('mode'))"
+    ));
+}
+
+#[test]
+fn each_view_shows_a_recording_at_any_time() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = recorded(folder.path());
+    let truth = Truth::read(&file);
+    assert!(truth.steps.len() > 500 && truth.odometry.len() > 500);
+    let mut shown = Shown::start(&file);
+    let mut tab = browser.open(&shown.url, WIDE, "light");
+    overview(&mut tab, &truth);
+    specification(&mut tab, &truth);
+    time(&mut tab);
+    joints(&mut tab);
+    logs(&mut tab);
+    playing(&mut tab, &truth);
+    reading_only(&mut tab);
+    let address = shown
+        .url
+        .trim_start_matches("http://")
+        .trim_end_matches('/')
+        .to_owned();
+    let mut dark = browser.open(&shown.url, WIDE, "dark");
+    let mut narrow = browser.open(&shown.url, (480, 900), "light");
+    for view in ["overview", "spec", "time", "joints", "logs"] {
+        for (tab, name) in [(&mut dark, "dark"), (&mut narrow, "narrow")] {
+            tab.wait("asmotion.store.recording");
+            show(tab, view);
+            tab.wait("asmotion.store.samples.size > 0 && asmotion.store.steps.length > 0");
+            seek(tab, 14.0);
+            std::thread::sleep(std::time::Duration::from_millis(500));
+            tab.screenshot(&format!("recording_{name}_{view}"));
+        }
+        let width = narrow.eval("document.documentElement.scrollWidth");
+        assert!(width.as_u64().unwrap() <= 480, "{view}: {width}");
+    }
+    let id = shown.process.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(shown.process.wait().unwrap().code(), Some(0));
+    tab.wait("document.querySelector('#connection').textContent.includes('no connection')");
+    for tab in [tab, dark, narrow] {
+        let lost =
+            |it: &&String| !it.contains("WebSocket") && !it.contains("ERR_CONNECTION_REFUSED");
+        let errors: Vec<_> = tab.errors.iter().filter(lost).collect();
+        assert!(errors.is_empty(), "{errors:?}");
+        let own = ["http://", "ws://"].map(|scheme| format!("{scheme}{address}/"));
+        let foreign =
+            |it: &&String| !own.iter().any(|own| it.starts_with(own)) && *it != "about:blank";
+        let foreign: Vec<_> = tab.requests.iter().filter(foreign).collect();
+        assert!(foreign.is_empty(), "{foreign:?}");
+    }
+}
+
+/// The map and the state at the end, in the middle and at the beginning.
+fn overview(tab: &mut Tab, truth: &Truth) {
+    tab.wait("asmotion.store.recording && asmotion.store.samples.get('Rover/MapServer.map')?.data.data.length > 1000");
+    assert_eq!(
+        tab.eval("document.querySelector('#connection').textContent"),
+        "■ recording"
+    );
+    assert_eq!(tab.eval("document.querySelector('#banner').hidden"), true);
+    shows_mode(tab, truth.mode_at(40.0));
+    tab.screenshot("recording_end");
+    for t in [20.0, 7.25, 31.5] {
+        seek(tab, t);
+        let x = truth.x_at(t);
+        tab.wait(&format!("Math.abs(asmotion.store.samples.get('Rover/RoverDriver.odom').data.pose.pose.position.x - {x}) < 1e-6"));
+        tab.wait(&format!(
+            "document.querySelector('.twin').textContent.includes('{x:.2}, ')"
+        ));
+        shows_mode(tab, truth.mode_at(t));
+        // the path ends where the rover is
+        tab.wait("(() => { const [robot] = asmotion.map.robots(); const last = robot.trail.at(-1); return Math.hypot(last[1] - robot.pose[0], last[2] - robot.pose[1]) < 0.2; })()");
+        assert_eq!(
+            tab.eval("asmotion.store.samples.has('Rover/LaserDriver.scan')"),
+            true
+        );
+    }
+    tab.screenshot("recording_overview");
+    // before anything happened
+    tab.key("Home");
+    tab.wait("asmotion.store.cursor === 0");
+    shows_mode(tab, "IDLE");
+}
+
+/// The update set of any step, back and forth.
+fn specification(tab: &mut Tab, truth: &Truth) {
+    show(tab, "spec");
+    for (number, t, mode) in truth.steps.iter().filter(|it| it.2.is_some()) {
+        let (before, after) = mode.clone().unwrap();
+        seek(tab, *t);
+        tab.wait(&format!(
+            "document.querySelector('#step').textContent === 'step {number} at {t:.2} s'"
+        ));
+        let row = with_text("#updates tbody tr", "mode");
+        tab.wait(&format!("{row}?.children[1].textContent === '{before}'"));
+        assert_eq!(
+            tab.eval(&format!("{row}.children[2].textContent")),
+            format!("● {after}")
+        );
+        tab.wait(&format!(
+            "document.querySelector('.diagram .node.now text').textContent === '{after}'"
+        ));
+    }
+    tab.screenshot("recording_spec");
+    // single steps, also over the end of what the tab has
+    let middle = truth.steps.len() / 2;
+    let (number, t, _) = truth.steps[middle];
+    seek(tab, t);
+    let is = |number: u64| {
+        format!("document.querySelector('#step').textContent.startsWith('step {number} at')")
+    };
+    tab.wait(&is(number));
+    for by in 1..=3 {
+        tab.click(&with_text(".update-panel button", "◀ step"));
+        tab.wait(&is(number - by));
+    }
+    tab.click(&with_text(".update-panel button", "step ▶"));
+    tab.wait(&is(number - 2));
+    let values = "JSON.stringify(asmotion.store.locationsAt('Rover/ASMCoordinator'))";
+    let before = tab.eval(values);
+    seek(tab, 1.0);
+    tab.wait("asmotion.store.cursor === 1 && asmotion.store.stepAt('Rover/ASMCoordinator').t <= 1");
+    seek(tab, truth.steps[middle - 2].1);
+    tab.wait(&is(number - 2));
+    tab.wait(&format!("{values} === {before}"));
+}
+
+fn time(tab: &mut Tab) {
+    show(tab, "time");
+    seek(tab, 12.0);
+    tab.wait(
+        "document.querySelector('.lanes canvas').width > 0 && asmotion.store.steps.length > 10",
+    );
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    tab.screenshot("recording_time");
+    let place = tab.eval("(() => { const box = document.querySelector('.lanes').getBoundingClientRect(); return [box.left + box.width * 0.5, box.top + 200]; })()");
+    let (x, y) = (place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    tab.mouse("mousePressed", x, y);
+    tab.mouse("mouseReleased", x, y);
+    tab.wait("asmotion.store.cursor !== 12");
+}
+
+fn joints(tab: &mut Tab) {
+    show(tab, "joints");
+    seek(tab, 15.0);
+    tab.wait("document.querySelectorAll('#joints tbody tr').length === 5");
+    tab.wait("(asmotion.store.series.get('Arm/Driver/youBotDriver.jointStatus') ?? []).some((it) => Math.abs(it.t - 15) < 0.2)");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    tab.screenshot("recording_joints");
+}
+
+fn logs(tab: &mut Tab) {
+    show(tab, "logs");
+    tab.wait("document.querySelectorAll('.log .row').length > 10");
+    tab.wait(&with_text(".log .row", "planner.plan"));
+    tab.screenshot("recording_logs");
+    // a click moves all views
+    tab.click(&with_text(".log .row", "planner.plan"));
+    tab.wait("asmotion.store.cursor < 15");
+}
+
+fn playing(tab: &mut Tab, truth: &Truth) {
+    show(tab, "overview");
+    seek(tab, 10.0);
+    tab.wait("asmotion.store.cursor === 10");
+    tab.eval("document.activeElement.blur()");
+    tab.key(" ");
+    tab.wait("asmotion.store.cursor > 11 && asmotion.store.cursor < 30");
+    tab.key(" ");
+    let t = tab
+        .wait("document.querySelector('#play').textContent === '▶ Play' && asmotion.store.cursor");
+    let x = truth.x_at(t.as_f64().unwrap());
+    tab.wait(&format!("Math.abs(asmotion.store.samples.get('Rover/RoverDriver.odom').data.pose.pose.position.x - {x}) < 1e-6"));
+    tab.key("End");
+    tab.wait("asmotion.store.cursor === asmotion.store.recording.end");
+}
+
+fn reading_only(tab: &mut Tab) {
+    assert_eq!(
+        tab.eval(&format!("{}.hidden", with_text("[role=tab]", "Components"))),
+        true
+    );
+    assert_eq!(
+        tab.eval(
+            "document.querySelector('#stop').hidden && document.querySelector('#cancel').hidden"
+        ),
+        true
+    );
+    let problem = tab.eval(
+        "asmotion.link.order({ type: 'publish', topic: 'Rover/estop', value: { data: true } })",
+    );
+    assert!(
+        problem.as_str().unwrap().contains("shows the system only"),
+        "{problem}"
+    );
+}
+
+#[test]
+fn a_file_that_is_none_or_was_cut_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let dash = |file: &Path| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        let output = command.arg("dash").arg(file).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), said)
+    };
+    let (code, said) = dash(&folder.path().join("none.mcap"));
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("none.mcap` cannot be read"), "{said}");
+    let text = folder.path().join("text.mcap");
+    std::fs::write(&text, "no recording").unwrap();
+    let (code, said) = dash(&text);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("this is no recording"), "{said}");
+    // one without its end is shown up to there
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let file = recorded(folder.path());
+    let whole = std::fs::read(&file).unwrap();
+    std::fs::write(&file, &whole[..whole.len() / 2]).unwrap();
+    let shown = Shown::start(&file);
+    let mut tab = browser.open(&shown.url, WIDE, "light");
+    tab.wait("document.querySelector('#banner').textContent.startsWith('The recording is INCOMPLETE: the file is cut')");
+    tab.wait("asmotion.store.recording.end > 5 && asmotion.store.recording.end < 39");
+}
