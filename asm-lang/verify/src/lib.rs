@@ -50,6 +50,7 @@ mod layers;
 mod logic;
 mod machines;
 mod mail;
+mod monitor;
 mod mutation;
 mod observer;
 mod options;
@@ -84,6 +85,10 @@ pub use exported_value::ExportedValue;
 pub use growth::GrowingLocation;
 pub use guards::RunGuard;
 pub use mail::{ContentValues, MessageModel};
+pub use monitor::{
+    ConditionValue, GivenProperty, Monitors, MonitorsState, PropertyViolation, UnwatchedProperty,
+    WatchedProperty,
+};
 pub use mutation::{Mutant, mutants};
 pub use options::{Engine, FairName, InputValues, Options, Storage};
 pub use preparation::state_constraints;
