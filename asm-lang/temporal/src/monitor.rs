@@ -11,7 +11,7 @@
 use crate::ctl::Ctl;
 use crate::ltl::Ltl;
 use crate::past::{Conditions, Letter};
-use crate::safety::{self, Node};
+use crate::safety::{self, SafetyNode};
 use std::collections::BTreeSet;
 
 /// The largest number of subformulas that can be pending. The number of alternatives is at most the largest number of sets none of
@@ -43,7 +43,7 @@ pub enum NotMonitorable {
 /// A formula compiled for monitoring. It is immutable; [`MonitorState`] is what a run changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Monitor {
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<SafetyNode>,
     pub(crate) conditions: Conditions,
     pub(crate) root: usize,
     /// Reasons for which parts of the formula are not watched.
@@ -96,8 +96,8 @@ impl Monitor {
 
     /// Returns `true` if the formula says what always holds, so that a monitor can begin anew after a violation.
     pub fn is_repeated(&self) -> bool {
-        matches!(self.nodes.get(self.root), Some(Node::Release(left, _))
-            if matches!(self.nodes.get(*left), Some(Node::Any(parts)) if parts.is_empty()))
+        matches!(self.nodes.get(self.root), Some(SafetyNode::Release(left, _))
+            if matches!(self.nodes.get(*left), Some(SafetyNode::Any(parts)) if parts.is_empty()))
     }
 
     /// Returns the state before the first position.
@@ -149,7 +149,7 @@ impl Monitor {
     ) -> Vec<Vec<u32>> {
         let values = self.conditions.values(memory, letter);
         let holds = |condition: usize| self.conditions.value(condition, &values, letter);
-        let mut progress = Progress {
+        let mut progress = Progression {
             nodes: &self.nodes,
             holds: &holds,
         };
@@ -171,27 +171,27 @@ fn verdict(alternatives: &[Vec<u32>]) -> MonitorVerdict {
 }
 
 /// The progression of subformulas through one position.
-struct Progress<'a> {
-    nodes: &'a [Node],
+struct Progression<'a> {
+    nodes: &'a [SafetyNode],
     holds: &'a dyn Fn(usize) -> Option<bool>,
 }
 
-impl Progress<'_> {
+impl Progression<'_> {
     fn node(&mut self, index: usize) -> Vec<Vec<u32>> {
         let nodes = self.nodes;
         match nodes.get(index) {
             // the value of an unknown condition may turn out to be the right one
-            Some(Node::Condition(condition, wanted)) => match (self.holds)(*condition) {
+            Some(SafetyNode::Condition(condition, wanted)) => match (self.holds)(*condition) {
                 Some(value) if value != *wanted => Vec::new(),
                 Some(_) | None => vec![Vec::new()],
             },
-            Some(Node::All(parts)) => self.all(parts.iter().copied()),
-            Some(Node::Any(parts)) => {
+            Some(SafetyNode::All(parts)) => self.all(parts.iter().copied()),
+            Some(SafetyNode::Any(parts)) => {
                 let parts = parts.iter().flat_map(|part| self.node(*part));
                 minimal(parts.collect())
             }
-            Some(Node::Next(operand)) => vec![vec![*operand as u32]],
-            Some(Node::Release(left, right)) => {
+            Some(SafetyNode::Next(operand)) => vec![vec![*operand as u32]],
+            Some(SafetyNode::Release(left, right)) => {
                 let right = self.node(*right);
                 if right.is_empty() {
                     return right;

@@ -9,27 +9,27 @@ pub type Letter<'a> = &'a dyn Fn(usize) -> Option<bool>;
 
 /// A condition.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Term {
+enum PastTerm {
     Constant(bool),
     Atom(usize),
     /// The value of a past operator at the current position.
     Cell(usize),
-    Not(Box<Term>),
-    All(Vec<Term>),
-    Any(Vec<Term>),
-    Iff(Box<Term>, Box<Term>),
+    Not(Box<PastTerm>),
+    All(Vec<PastTerm>),
+    Any(Vec<PastTerm>),
+    Iff(Box<PastTerm>, Box<PastTerm>),
 }
 
 /// A past operator, whose value at a position follows from its operands there and one bit about the position before.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Cell {
-    operator: Past,
-    left: Term,
-    right: Term,
+struct PastCell {
+    operator: PastOperator,
+    left: PastTerm,
+    right: PastTerm,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Past {
+enum PastOperator {
     /// `Y` and `Z`: the operand at the previous position; at the first one, this value.
     Previous(bool),
     /// `O` and `S`
@@ -42,8 +42,8 @@ enum Past {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Conditions {
     /// The operands of each cell refer to earlier cells only.
-    cells: Vec<Cell>,
-    roots: Vec<Term>,
+    cells: Vec<PastCell>,
+    roots: Vec<PastTerm>,
 }
 
 /// The values of all cells at a position.
@@ -66,10 +66,10 @@ impl Conditions {
 
     /// Returns the memory before the first position.
     pub fn memory(&self) -> Vec<bool> {
-        let initial = |cell: &Cell| match cell.operator {
-            Past::Previous(initially) => initially,
-            Past::Since => false,
-            Past::Triggered => true,
+        let initial = |cell: &PastCell| match cell.operator {
+            PastOperator::Previous(initially) => initially,
+            PastOperator::Since => false,
+            PastOperator::Triggered => true,
         };
         self.cells.iter().map(initial).collect()
     }
@@ -79,12 +79,12 @@ impl Conditions {
         let mut values = PositionValues(Vec::with_capacity(self.cells.len()));
         for (cell, before) in self.cells.iter().zip(memory) {
             let value = match cell.operator {
-                Past::Previous(_) => Some(*before),
-                Past::Since => {
+                PastOperator::Previous(_) => Some(*before),
+                PastOperator::Since => {
                     let kept = and(cell.left.value(&values, letter), Some(*before));
                     or(cell.right.value(&values, letter), kept)
                 }
-                Past::Triggered => {
+                PastOperator::Triggered => {
                     let kept = or(cell.left.value(&values, letter), Some(*before));
                     and(cell.right.value(&values, letter), kept)
                 }
@@ -109,34 +109,34 @@ impl Conditions {
     pub fn remember(&self, memory: &mut [bool], values: &PositionValues, letter: Letter<'_>) {
         for ((cell, bit), value) in self.cells.iter().zip(memory).zip(&values.0) {
             let value = match cell.operator {
-                Past::Previous(_) => cell.right.value(values, letter),
-                Past::Since | Past::Triggered => *value,
+                PastOperator::Previous(_) => cell.right.value(values, letter),
+                PastOperator::Since | PastOperator::Triggered => *value,
             };
             *bit = value.unwrap_or_default();
         }
     }
 
-    fn term(&mut self, formula: &Ltl) -> Option<Term> {
+    fn term(&mut self, formula: &Ltl) -> Option<PastTerm> {
         Some(match formula {
-            Ltl::True => Term::Constant(true),
-            Ltl::False => Term::Constant(false),
-            Ltl::Atom(atom) => Term::Atom(*atom),
-            Ltl::Not(of) => Term::Not(Box::new(self.term(of)?)),
-            Ltl::And(parts) => Term::All(self.terms(parts)?),
-            Ltl::Or(parts) => Term::Any(self.terms(parts)?),
+            Ltl::True => PastTerm::Constant(true),
+            Ltl::False => PastTerm::Constant(false),
+            Ltl::Atom(atom) => PastTerm::Atom(*atom),
+            Ltl::Not(of) => PastTerm::Not(Box::new(self.term(of)?)),
+            Ltl::And(parts) => PastTerm::All(self.terms(parts)?),
+            Ltl::Or(parts) => PastTerm::Any(self.terms(parts)?),
             Ltl::Implies(left, right) => {
-                let left = Term::Not(Box::new(self.term(left)?));
-                Term::Any(vec![left, self.term(right)?])
+                let left = PastTerm::Not(Box::new(self.term(left)?));
+                PastTerm::Any(vec![left, self.term(right)?])
             }
             Ltl::Iff(left, right) => {
-                Term::Iff(Box::new(self.term(left)?), Box::new(self.term(right)?))
+                PastTerm::Iff(Box::new(self.term(left)?), Box::new(self.term(right)?))
             }
-            Ltl::Yesterday(of) => self.cell(Past::Previous(false), &Ltl::True, of)?,
-            Ltl::WeakYesterday(of) => self.cell(Past::Previous(true), &Ltl::True, of)?,
-            Ltl::Once(of) => self.cell(Past::Since, &Ltl::True, of)?,
-            Ltl::Historically(of) => self.cell(Past::Triggered, &Ltl::False, of)?,
-            Ltl::Since(left, right) => self.cell(Past::Since, left, right)?,
-            Ltl::Triggered(left, right) => self.cell(Past::Triggered, left, right)?,
+            Ltl::Yesterday(of) => self.cell(PastOperator::Previous(false), &Ltl::True, of)?,
+            Ltl::WeakYesterday(of) => self.cell(PastOperator::Previous(true), &Ltl::True, of)?,
+            Ltl::Once(of) => self.cell(PastOperator::Since, &Ltl::True, of)?,
+            Ltl::Historically(of) => self.cell(PastOperator::Triggered, &Ltl::False, of)?,
+            Ltl::Since(left, right) => self.cell(PastOperator::Since, left, right)?,
+            Ltl::Triggered(left, right) => self.cell(PastOperator::Triggered, left, right)?,
             Ltl::Next(_)
             | Ltl::Finally(_)
             | Ltl::Globally(_)
@@ -146,26 +146,26 @@ impl Conditions {
         })
     }
 
-    fn terms(&mut self, formulas: &[Ltl]) -> Option<Vec<Term>> {
+    fn terms(&mut self, formulas: &[Ltl]) -> Option<Vec<PastTerm>> {
         formulas.iter().map(|it| self.term(it)).collect()
     }
 
-    fn cell(&mut self, operator: Past, left: &Ltl, right: &Ltl) -> Option<Term> {
+    fn cell(&mut self, operator: PastOperator, left: &Ltl, right: &Ltl) -> Option<PastTerm> {
         let (left, right) = (self.term(left)?, self.term(right)?);
-        let cell = Cell {
+        let cell = PastCell {
             operator,
             left,
             right,
         };
         let known = self.cells.iter().position(|it| *it == cell);
-        Some(Term::Cell(known.unwrap_or_else(|| {
+        Some(PastTerm::Cell(known.unwrap_or_else(|| {
             self.cells.push(cell);
             self.cells.len() - 1
         })))
     }
 }
 
-impl Term {
+impl PastTerm {
     fn value(&self, values: &PositionValues, letter: Letter<'_>) -> Option<bool> {
         match self {
             Self::Constant(value) => Some(*value),
@@ -184,7 +184,7 @@ impl Term {
 
 /// A conjunction if `is_all`, and otherwise a disjunction.
 fn combined(
-    parts: &[Term],
+    parts: &[PastTerm],
     is_all: bool,
     values: &PositionValues,
     letter: Letter<'_>,

@@ -11,11 +11,11 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResponseMonitor {
     conditions: Conditions,
-    responses: Vec<Response>,
+    responses: Vec<DueResponse>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Response {
+struct DueResponse {
     /// The condition that causes it.
     cause: usize,
     goal: usize,
@@ -148,7 +148,7 @@ impl ResponseMonitor {
         else {
             return;
         };
-        self.responses.push(Response {
+        self.responses.push(DueResponse {
             cause,
             goal,
             is_first_only,

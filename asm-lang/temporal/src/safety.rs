@@ -11,7 +11,7 @@ const MAX_STEPS: u32 = MAX_PENDING as u32;
 
 /// A formula in positive normal form without *until*; operands are indices.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Node {
+pub(crate) enum SafetyNode {
     /// A condition of the position, and the value that it has to have.
     Condition(usize, bool),
     /// True without parts.
@@ -31,7 +31,7 @@ pub(crate) fn monitor(
     formula: &Ltl,
     unwatched: BTreeSet<NotMonitorable>,
 ) -> Result<Monitor, NotMonitorable> {
-    let mut builder = Builder {
+    let mut builder = SafetyBuilder {
         nodes: Vec::new(),
         conditions: Conditions::default(),
         unwatched,
@@ -40,16 +40,16 @@ pub(crate) fn monitor(
     if builder.unwatched.contains(&NotMonitorable::TooLarge) {
         return Err(NotMonitorable::TooLarge);
     }
-    if matches!(builder.nodes.get(root), Some(Node::All(parts)) if parts.is_empty()) {
+    if matches!(builder.nodes.get(root), Some(SafetyNode::All(parts)) if parts.is_empty()) {
         let reason = builder.unwatched.first().copied();
         return Err(reason.unwrap_or(NotMonitorable::Trivial));
     }
     let mut pending = BTreeSet::new();
     for (index, node) in builder.nodes.iter().enumerate() {
         match node {
-            Node::Next(operand) => pending.insert(*operand),
-            Node::Release(..) => pending.insert(index),
-            Node::Condition(..) | Node::All(_) | Node::Any(_) => false,
+            SafetyNode::Next(operand) => pending.insert(*operand),
+            SafetyNode::Release(..) => pending.insert(index),
+            SafetyNode::Condition(..) | SafetyNode::All(_) | SafetyNode::Any(_) => false,
         };
     }
     if pending.len() > MAX_PENDING {
@@ -111,20 +111,20 @@ pub(crate) fn linear(
     }
 }
 
-struct Builder {
-    nodes: Vec<Node>,
+struct SafetyBuilder {
+    nodes: Vec<SafetyNode>,
     conditions: Conditions,
     unwatched: BTreeSet<NotMonitorable>,
 }
 
-impl Builder {
+impl SafetyBuilder {
     /// Translates a formula, or its negation if not `positive`.
     fn node(&mut self, formula: &Ltl, positive: bool) -> usize {
         if [Ltl::True, Ltl::False].contains(formula) {
             return self.constant((*formula == Ltl::True) == positive);
         }
         if let Some(condition) = self.conditions.add(formula) {
-            return self.push(Node::Condition(condition, positive));
+            return self.push(SafetyNode::Condition(condition, positive));
         }
         match formula {
             Ltl::Not(of) => self.node(of, !positive),
@@ -146,7 +146,7 @@ impl Builder {
                 let of = self.node(of, positive);
                 match self.truth(of) {
                     Some(_) => of,
-                    None => self.push(Node::Next(of)),
+                    None => self.push(SafetyNode::Next(of)),
                 }
             }
             Ltl::Globally(of) if positive => self.always(of, true),
@@ -204,7 +204,7 @@ impl Builder {
     fn released(&mut self, left: usize, right: usize) -> usize {
         match (self.truth(left), self.truth(right)) {
             (_, Some(_)) | (Some(true), None) => right,
-            (Some(false) | None, None) => self.push(Node::Release(left, right)),
+            (Some(false) | None, None) => self.push(SafetyNode::Release(left, right)),
         }
     }
 
@@ -216,30 +216,30 @@ impl Builder {
         parts.retain(|part| self.truth(*part).is_none());
         match (parts.as_slice(), is_all) {
             ([only], _) => *only,
-            (_, true) => self.push(Node::All(parts)),
-            (_, false) => self.push(Node::Any(parts)),
+            (_, true) => self.push(SafetyNode::All(parts)),
+            (_, false) => self.push(SafetyNode::Any(parts)),
         }
     }
 
     /// Returns the value of a constant.
     fn truth(&self, node: usize) -> Option<bool> {
         match self.nodes.get(node)? {
-            Node::All(parts) if parts.is_empty() => Some(true),
-            Node::Any(parts) if parts.is_empty() => Some(false),
-            Node::Condition(..)
-            | Node::All(_)
-            | Node::Any(_)
-            | Node::Next(_)
-            | Node::Release(..) => None,
+            SafetyNode::All(parts) if parts.is_empty() => Some(true),
+            SafetyNode::Any(parts) if parts.is_empty() => Some(false),
+            SafetyNode::Condition(..)
+            | SafetyNode::All(_)
+            | SafetyNode::Any(_)
+            | SafetyNode::Next(_)
+            | SafetyNode::Release(..) => None,
         }
     }
 
     fn constant(&mut self, value: bool) -> usize {
         let parts = Vec::new();
         self.push(if value {
-            Node::All(parts)
+            SafetyNode::All(parts)
         } else {
-            Node::Any(parts)
+            SafetyNode::Any(parts)
         })
     }
 
@@ -249,7 +249,7 @@ impl Builder {
         self.constant(true)
     }
 
-    fn push(&mut self, node: Node) -> usize {
+    fn push(&mut self, node: SafetyNode) -> usize {
         let known = self.nodes.iter().position(|it| *it == node);
         known.unwrap_or_else(|| {
             self.nodes.push(node);

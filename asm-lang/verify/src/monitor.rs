@@ -48,7 +48,7 @@ use asmotion_diagnostics::Span;
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::{Environment, Machine, NoInputs};
 use asmotion_temporal::{Monitor, MonitorState, MonitorVerdict, ResponseMonitor, ResponseState};
-use condition::Condition;
+use condition::WatchedCondition;
 
 /// A property from outside of the specification.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -122,15 +122,15 @@ pub struct ConditionValue {
 pub struct Monitors {
     watched: Vec<WatchedProperty>,
     unwatched: Vec<UnwatchedProperty>,
-    conditions: Vec<Condition>,
-    watches: Vec<Watch>,
+    conditions: Vec<WatchedCondition>,
+    watches: Vec<PropertyWatch>,
     /// Number of changes of conditions so far.
     changes: u64,
 }
 
 /// The monitor of a property, with what it knows about the run.
 #[derive(Clone, Debug)]
-struct Watch {
+struct PropertyWatch {
     safety: Option<(Monitor, MonitorState)>,
     response: Option<ResponseWatch>,
     /// Indices of its conditions.
@@ -302,8 +302,8 @@ impl Monitors {
     }
 }
 
-impl Watch {
-    fn is_changed(&self, conditions: &[Condition]) -> bool {
+impl PropertyWatch {
+    fn is_changed(&self, conditions: &[WatchedCondition]) -> bool {
         let mut read = self.conditions.iter().filter_map(|it| conditions.get(*it));
         !self.is_stable || read.any(|condition| condition.changed_at > self.seen)
     }
@@ -357,7 +357,7 @@ impl Watch {
         &mut self,
         property: usize,
         is_late: bool,
-        conditions: &[Condition],
+        conditions: &[WatchedCondition],
         is_after: bool,
     ) -> PropertyViolation {
         let is_new = !self.was_violated && !self.is_violated;

@@ -215,8 +215,12 @@ impl Component for Coordinator {
             return Err(fault.1);
         }
         let step = self.machine.last_step();
-        if !step.updates().is_empty() || !step.sent().is_empty() {
-            let record = StepRecord::of(&self.specification, &self.machine, &step);
+        let is_safe = made.replaced.is_some();
+        if is_safe || !step.updates().is_empty() || !step.sent().is_empty() {
+            let record = StepRecord {
+                safe_rule: made.replaced.as_ref().map(|it| it.rule.clone()),
+                ..StepRecord::of(&self.specification, &self.machine, &step)
+            };
             // the step is reported before its effects
             cycle.report(STEP_REPORT, Datum::of(&record)?);
             self.last_record = Some((cycle.now(), record));

@@ -17,6 +17,7 @@ use asmotion_lang::{FaultKind, Specification};
 use asmotion_verify::{Monitors, PropertyKind, PropertyViolation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::fmt;
 
 pub use asmotion_verify::GivenProperty;
 
@@ -99,6 +100,44 @@ pub enum ViolationReaction {
 )]
 fn is_false(value: &bool) -> bool {
     !value
+}
+
+impl fmt::Display for ViolationRecord {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "step {} violates {} ", self.step, self.kind)?;
+        if let Some(name) = &self.name {
+            write!(to, "{name}: ")?;
+        }
+        write!(to, "`{}`", self.property)?;
+        if !self.place.is_empty() {
+            write!(to, " ({})", self.place)?;
+        }
+        if let Some(seconds) = self.late_after_s {
+            write!(to, ", which has not happened within {seconds} s")?;
+        }
+        let shown = |text: &str, holds: bool| match holds {
+            true => format!("`{text}`"),
+            false => format!("not `{text}`"),
+        };
+        let mut separator = ": ";
+        for condition in &self.conditions {
+            let (text, before, after) = (&condition.text, condition.before, condition.after);
+            let text = match (before, after) {
+                (Some(before), Some(after)) if before != after => {
+                    format!("{}, then {}", shown(text, before), shown(text, after))
+                }
+                (_, Some(value)) | (Some(value), None) => shown(text, value),
+                (None, None) => continue,
+            };
+            write!(to, "{separator}{text}")?;
+            separator = "; ";
+        }
+        match self.reaction {
+            ViolationReaction::Reported => Ok(()),
+            ViolationReaction::SafeRule => to.write_str("; the safe rule makes the step"),
+            ViolationReaction::Failed => to.write_str("; the component fails"),
+        }
+    }
 }
 
 /// Watches the properties of a specification.
@@ -239,7 +278,7 @@ impl Coordinator {
         self.note(&found, &mut made);
         let has_safe_rule = self.watcher.safe_rule.is_some();
         if found.is_empty() || !has_safe_rule {
-            let undo = has_safe_rule.then(|| Undo::before(&self.machine));
+            let undo = has_safe_rule.then(|| StepUndo::before(&self.machine));
             self.main_step(now, &mut made);
             if made.violations.is_empty() || made.is_over() {
                 self.end_watch(&mut made);
@@ -317,7 +356,7 @@ impl Coordinator {
     }
 
     /// Goes back to the state before the step.
-    fn undo(&mut self, undo: Undo, made: &mut WatchedStep) {
+    fn undo(&mut self, undo: StepUndo, made: &mut WatchedStep) {
         let step = self.machine.last_step();
         let choices = step.choices().iter().map(|choice| ChoiceRecord {
             index: choice.index as u64,
@@ -397,14 +436,14 @@ impl WatchedStep {
 }
 
 /// The way back from a step.
-enum Undo {
+enum StepUndo {
     /// The machine reverts its last step.
     Revert,
     /// A copy of the machine before the step.
     Copy(Box<Machine>),
 }
 
-impl Undo {
+impl StepUndo {
     fn before(machine: &Machine) -> Self {
         if machine.can_revert() {
             Self::Revert

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// A condition that the formulas of a specification contain.
 #[derive(Clone, Debug)]
-pub(super) struct Condition {
+pub(super) struct WatchedCondition {
     pub term: AddedTerm,
     pub text: String,
     /// Its value depends on the inputs of a step.
@@ -26,7 +26,7 @@ pub(super) struct Condition {
     pub changed_at: u64,
 }
 
-impl Condition {
+impl WatchedCondition {
     /// Creates a condition, which has no value yet.
     pub fn new(model: &Model, term: AddedTerm, root: &Term, text: String) -> Self {
         let mut condition = Self {

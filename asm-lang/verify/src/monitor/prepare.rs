@@ -1,8 +1,8 @@
 //! From the properties of a specification to monitors.
 
-use super::condition::Condition;
-use super::within::{self, Within};
-use super::{GivenProperty, Monitors, ResponseWatch, UnwatchedProperty, Watch, WatchedProperty};
+use super::condition::WatchedCondition;
+use super::within::{self, WithinComment};
+use super::{GivenProperty, Monitors, ResponseWatch, UnwatchedProperty, PropertyWatch, WatchedProperty};
 use crate::codes::m003::NoTemporalFormula;
 use crate::formula::{Formula, Formulas, Logic};
 use crate::logic::{self, visit_conditions};
@@ -15,7 +15,7 @@ use asmotion_temporal::{Ltl, Monitor, NotMonitorable, ResponseMonitor};
 use std::collections::BTreeSet;
 
 /// A property that may be watched, before its formula is examined.
-struct Candidate {
+struct MonitorCandidate {
     kind: PropertyKind,
     name: Option<String>,
     text: String,
@@ -51,7 +51,7 @@ impl Monitors {
         let mut within = annotations(specification);
         let declared = std::mem::take(&mut specification.model.properties);
         let unwatched = unwatched_constraints(specification, &declared);
-        let mut preparation = Preparation {
+        let mut preparation = MonitorPreparation {
             formulas: Formulas {
                 model: &mut specification.model,
                 machine: &machine,
@@ -77,7 +77,7 @@ impl Monitors {
         for (property, term) in &terms {
             preparation.add_given(property, term);
         }
-        let Preparation {
+        let MonitorPreparation {
             formulas,
             candidates,
             ..
@@ -89,7 +89,7 @@ impl Monitors {
             let body = model.added.terms.get(term.0 as usize);
             let text = text_of(&specification.sources, place);
             let root = body.map(|body| &body.root);
-            let condition = root.map(|root| Condition::new(model, term, root, text));
+            let condition = root.map(|root| WatchedCondition::new(model, term, root, text));
             monitors.conditions.extend(condition);
         }
         candidates.into_iter().for_each(|it| monitors.add(it));
@@ -99,7 +99,7 @@ impl Monitors {
     }
 
     /// Watches a property, or notes why it is not watched.
-    fn add(&mut self, candidate: Candidate) {
+    fn add(&mut self, candidate: MonitorCandidate) {
         let watch = candidate
             .formula
             .as_ref()
@@ -129,7 +129,7 @@ impl Monitors {
     }
 
     /// Notes comments `//@Within` that have no effect.
-    fn add_unused(&mut self, specification: &Specification, within: Vec<Within>) {
+    fn add_unused(&mut self, specification: &Specification, within: Vec<WithinComment>) {
         for comment in within {
             let reason = match comment.time_ns {
                 Some(_) => "no property follows the comment",
@@ -147,7 +147,7 @@ impl Monitors {
 }
 
 /// The comments `//@Within` of the files with properties.
-fn annotations(specification: &Specification) -> Vec<Within> {
+fn annotations(specification: &Specification) -> Vec<WithinComment> {
     let properties = specification.model.properties.iter();
     let main = specification.model.main;
     let main = main.map(|it| specification.model.rule(it).span.file);
@@ -157,7 +157,7 @@ fn annotations(specification: &Specification) -> Vec<Within> {
 
 /// Returns the time of the last comment between the property before and this one, which is taken away.
 fn take_within(
-    within: &mut Vec<Within>,
+    within: &mut Vec<WithinComment>,
     declared: &[asmotion_lang::hir::TemporalProperty],
     at: Span,
 ) -> Option<i64> {
@@ -209,7 +209,7 @@ fn watch(
     kind: PropertyKind,
     formula: &Formula,
     within_ns: Option<i64>,
-) -> Result<(Watch, Vec<String>), String> {
+) -> Result<(PropertyWatch, Vec<String>), String> {
     let (safety, response) = match kind {
         PropertyKind::Ctl => {
             let formula = logic::ctl(formula).map_err(|error| error.0)?;
@@ -259,7 +259,7 @@ fn watch(
     visit_conditions(formula, &mut |index| {
         conditions.insert(index);
     });
-    let watch = Watch {
+    let watch = PropertyWatch {
         safety: safety.map(|monitor| {
             let state = monitor.begin();
             (monitor, state)
@@ -276,13 +276,13 @@ fn watch(
     Ok((watch, unwatched.iter().map(ToString::to_string).collect()))
 }
 
-struct Preparation<'a> {
+struct MonitorPreparation<'a> {
     formulas: Formulas<'a>,
     sources: &'a Sources,
-    candidates: Vec<Candidate>,
+    candidates: Vec<MonitorCandidate>,
 }
 
-impl Preparation<'_> {
+impl MonitorPreparation<'_> {
     fn add(
         &mut self,
         kind: PropertyKind,
@@ -292,7 +292,7 @@ impl Preparation<'_> {
         within_ns: Option<i64>,
     ) {
         let formula = self.formula(kind, term);
-        self.candidates.push(Candidate {
+        self.candidates.push(MonitorCandidate {
             kind,
             name,
             text: text_of(self.sources, term.root.span),
@@ -310,7 +310,7 @@ impl Preparation<'_> {
             None => PropertyKind::Invariant,
         };
         let formula = self.formula(kind, term);
-        self.candidates.push(Candidate {
+        self.candidates.push(MonitorCandidate {
             kind,
             name: None,
             text: property.text.clone(),

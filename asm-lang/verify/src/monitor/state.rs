@@ -1,17 +1,17 @@
 //! The state of monitors as plain data, and its transfer to the monitors of another version of a specification.
 
-use super::{Monitors, Watch};
+use super::{Monitors, PropertyWatch};
 use asmotion_temporal::{MonitorState, ResponseState};
 use serde::{Deserialize, Serialize};
 
 /// What monitors know about a run, as plain data.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct MonitorsState(Vec<WatchState>);
+pub struct MonitorsState(Vec<PropertyWatchState>);
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WatchState {
+struct PropertyWatchState {
     safety: Option<(Vec<Vec<u32>>, Vec<bool>)>,
     /// Times of open causes, memory, and whether the position is the first one.
     response: Option<(Vec<Option<i64>>, Vec<bool>, bool)>,
@@ -20,8 +20,8 @@ struct WatchState {
     violated_steps: u64,
 }
 
-impl WatchState {
-    fn of(watch: &Watch) -> Self {
+impl PropertyWatchState {
+    fn of(watch: &PropertyWatch) -> Self {
         let response = watch.response.as_ref().map(|response| {
             let state = response.after_step.as_ref().unwrap_or(&response.state);
             (state.open.clone(), state.memory.clone(), state.is_first)
@@ -39,7 +39,7 @@ impl WatchState {
     }
 
     /// Returns the watch in this state; `None` if it does not fit.
-    fn restored(&self, watch: &Watch) -> Option<Watch> {
+    fn restored(&self, watch: &PropertyWatch) -> Option<PropertyWatch> {
         let mut watch = watch.clone();
         match (&mut watch.safety, &self.safety) {
             (Some((monitor, state)), Some((alternatives, memory))) => {
@@ -75,13 +75,13 @@ impl WatchState {
 impl Monitors {
     /// Returns what they know about the run between two steps.
     pub fn state(&self) -> MonitorsState {
-        MonitorsState(self.watches.iter().map(WatchState::of).collect())
+        MonitorsState(self.watches.iter().map(PropertyWatchState::of).collect())
     }
 
     /// Continues in a state. Returns `false` if it is not one of these monitors, which are then unchanged.
     pub fn restore(&mut self, state: &MonitorsState) -> bool {
         let watches = self.watches.iter().zip(&state.0);
-        let restored: Option<Vec<Watch>> = watches
+        let restored: Option<Vec<PropertyWatch>> = watches
             .map(|(watch, state)| state.restored(watch))
             .collect();
         let Some(restored) = restored.filter(|it| it.len() == state.0.len()) else {
@@ -107,7 +107,7 @@ impl Monitors {
                     == (property.kind, &property.text, property.within_ns)
             });
             let own = same.and_then(|index| self.watches.get_mut(index));
-            let state = WatchState::of(watch);
+            let state = PropertyWatchState::of(watch);
             match own {
                 Some(own) => match state.restored(own) {
                     Some(restored) => *own = restored,

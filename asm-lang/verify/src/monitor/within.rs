@@ -5,7 +5,7 @@ use asmotion_lang::Specification;
 use std::collections::BTreeMap;
 
 /// A comment `//@Within`.
-pub(super) struct Within {
+pub(super) struct WithinComment {
     pub at: Span,
     /// The text after the word.
     pub text: String,
@@ -17,14 +17,14 @@ pub(super) struct Within {
 pub(super) fn annotations(
     specification: &Specification,
     files: impl Iterator<Item = FileId>,
-) -> Vec<Within> {
+) -> Vec<WithinComment> {
     let files: BTreeMap<u32, FileId> = files.map(|file| (file.0, file)).collect();
     let mut found = Vec::new();
     for file in files.into_values() {
         let parsed = asmotion_lang::syntax::parse(file, specification.sources.text(file));
         let annotations = parsed.file.annotations.iter();
         let within = annotations.filter(|it| &*it.name.text == "Within");
-        found.extend(within.map(|it| Within {
+        found.extend(within.map(|it| WithinComment {
             at: it.name.span,
             text: it.rest.clone(),
             time_ns: time_ns(&it.rest),

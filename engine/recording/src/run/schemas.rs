@@ -103,6 +103,13 @@ pub(super) fn answer() -> (String, String) {
 }
 
 /// The schema of an event.
+pub(super) fn mark() -> (String, String) {
+    let schema = object(json!({
+        "kind": text(), "component": text(), "step": integer(), "text": text(),
+    }));
+    ("asmotion.Mark".to_owned(), schema.to_string())
+}
+
 pub(super) fn event() -> (String, String) {
     let schema = object(json!({
         "kind": text(), "component": text(), "text": text(), "from": text(), "to": text(),
