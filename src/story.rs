@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 use asmotion_component::{CallError, CallId, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
     BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT,
+    VIOLATION_REPORT, ViolationRecord,
 };
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
@@ -244,6 +245,11 @@ impl Story {
                 let reply: BadReply = what.to().ok()?;
                 let (reference, operation) = (&reply.reference, &reply.operation);
                 Some(self.reply_entry(reference, operation, Err(&reply.error())))
+            }
+            VIOLATION_REPORT => {
+                let violation: ViolationRecord = what.to().ok()?;
+                let what = format!("{component}: {violation}");
+                Some(warning_entry(BAD, "violated", what))
             }
             UNSENT_REPORT => {
                 let missing = what.as_text().unwrap_or_default();

@@ -8,7 +8,10 @@ mod replay;
 pub use replay::{RecordedRun, RecordedUpdates, ReplayError, is_run_trace, recorded_run};
 
 use asmotion_component::{CallError, Time};
-use asmotion_coordinator::{FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT, StepRecord};
+use asmotion_coordinator::{
+    FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT, StepRecord, VIOLATION_REPORT,
+    ViolationRecord,
+};
 use asmotion_datum::{Datum, Sample, cbor};
 use asmotion_runtime::Event;
 use std::fmt::Write;
@@ -154,9 +157,18 @@ fn outcome(result: Result<&dyn Sample, &CallError>) -> String {
 
 fn report(component: &str, kind: &str, what: &Datum) -> String {
     let mut line = format!("report {component} {kind}");
+    if kind == VIOLATION_REPORT
+        && let Ok(violation) = what.to::<ViolationRecord>()
+    {
+        let _ = write!(line, " {violation}");
+        return line;
+    }
     match what.to::<StepRecord>() {
         Ok(step) if [STEP_REPORT, FAILED_STEP_REPORT].contains(&kind) => {
             let _ = write!(line, " {}", step.number);
+            if let Some(rule) = &step.safe_rule {
+                let _ = write!(line, "\n  R {rule}");
+            }
             for (location, value) in &step.inputs {
                 let _ = write!(line, "\n  M {location} = {value}");
             }

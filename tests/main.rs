@@ -65,6 +65,7 @@ mod stranger;
 mod supply;
 mod tour;
 mod up;
+mod watch;
 mod ways;
 mod youbot;
 mod youbot_python;

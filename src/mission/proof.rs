@@ -43,7 +43,7 @@ fn demanding(plan: &Plan) -> impl Iterator<Item = (&Component, &PlannedVerify)> 
     })
 }
 
-/// Removes the warning about properties that no run checks, if all specifications with a start in `plan` are verified.
+/// Removes the warning about properties that no run can watch, if all specifications with a start in `plan` are verified.
 pub(super) fn without_verified(report: &mut Report, plan: &Plan) {
     let is_verified = |component: &Component| {
         demanding(plan).any(|(it, keys)| {
@@ -54,6 +54,6 @@ pub(super) fn without_verified(report: &mut Report, plan: &Plan) {
     let specified = plan.components.iter().filter(|it| it.binding.is_some());
     let mut specified = specified.peekable();
     if specified.peek().is_some() && specified.all(is_verified) {
-        report.diagnostics.retain(|it| it.code.name != "W031");
+        report.diagnostics.retain(|it| it.code.name != "C201");
     }
 }

@@ -79,6 +79,20 @@ pub enum ReplayError {
         /// Time of the replacement, or of the first step after it.
         at_ns: i64,
     },
+    /// The safe rule of the composite made a step.
+    #[error(
+        "at {} s of the run, the safe rule `{rule}` made a step of `{name}` in place of the main rule: the specification alone does not \
+         give it",
+        *at_ns as f64 / 1e9
+    )]
+    SafeRule {
+        /// Name of the coordinator.
+        name: String,
+        /// The safe rule.
+        rule: String,
+        /// Time of the step.
+        at_ns: i64,
+    },
     /// The specification exchanges messages, which the trace of a run does not contain.
     #[error(
         "`{specification}` exchanges messages with services, and the trace of a run contains only their checksums: it cannot be replayed"
@@ -158,11 +172,19 @@ pub fn recorded_run(
 /// The recorded steps of all coordinators by name, or the reason that they cannot be replayed.
 fn runs(text: &str) -> BTreeMap<&str, Result<RecordedRun, ReplayError>> {
     let mut runs: BTreeMap<&str, Result<RecordedRun, ReplayError>> = BTreeMap::new();
-    let mut current = None;
+    let mut current: Option<&str> = None;
     for line in text.lines() {
         if let Some(fact) = line.strip_prefix("  ") {
-            if let Some(Ok(run)) = current.and_then(|name| runs.get_mut(name)) {
-                run.add(fact);
+            if let Some((name, run)) = current.and_then(|name| Some((name, runs.get_mut(name)?)))
+                && let Ok(recorded) = run
+            {
+                if let Some(rule) = fact.strip_prefix("R ") {
+                    let at_ns = recorded.steps.last().map_or(0, |step| step.at_ns);
+                    let (name, rule) = (name.to_owned(), rule.to_owned());
+                    *run = Err(ReplayError::SafeRule { name, rule, at_ns });
+                } else {
+                    recorded.add(fact);
+                }
             }
             continue;
         }
@@ -295,6 +317,15 @@ mod tests {
         let replaced = refused(&again, Some("A"));
         assert!(matches!(replaced, ReplayError::Replaced { at_ns: 95, .. }));
         assert!(recorded_run("t", &again, Some("B")).is_ok());
+    }
+
+    #[test]
+    fn a_run_with_a_step_of_the_safe_rule_is_refused() {
+        let safe = format!("{TRACE}95 report A asm/Step 6\n  R r_stop[]\n  U n = 3\n");
+        let refused = recorded_run("t", &safe, Some("A")).unwrap_err();
+        assert!(matches!(&refused, ReplayError::SafeRule { at_ns: 95, .. }));
+        assert!(refused.to_string().contains("`r_stop[]`"), "{refused}");
+        assert!(recorded_run("t", &safe, Some("B")).is_ok());
     }
 
     #[test]

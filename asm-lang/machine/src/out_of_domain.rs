@@ -40,6 +40,31 @@ impl Machine {
         Ok(self.last_step())
     }
 
+    /// Executes a step with a rule that was added to the program in place of the main rule. Assumptions about inputs are not
+    /// checked: the rule can react to inputs that violate them.
+    ///
+    /// # Errors
+    /// As [`Machine::step`].
+    pub fn step_with(
+        &mut self,
+        rule: AddedRule,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<Step<'_>, Box<StepFault>> {
+        self.changed_outside();
+        let number = self.steps + 1;
+        self.attempt(true, environment, chooser, now_ns, |run| {
+            match run.program.added_rules.get(rule.0 as usize) {
+                Some(&routine) => run.call_routine(routine, 0),
+                None => Ok(()),
+            }
+        })?;
+        self.steps = number;
+        self.recheck(environment, chooser, now_ns)?;
+        Ok(self.last_step())
+    }
+
     /// Evaluates a term that was added to the program in the current state. The environment is
     /// asked again for the inputs that the term needs; the state is otherwise unchanged.
     ///

@@ -9,6 +9,7 @@ mod bits;
 mod ctl;
 mod graph;
 mod ltl;
+mod monitor;
 mod naive;
 mod nusmv;
 mod random;

@@ -49,6 +49,7 @@ mod layers;
 mod logic;
 mod machines;
 mod mail;
+mod monitor;
 mod mutation;
 mod observer;
 mod options;
@@ -82,6 +83,10 @@ pub use explore::{Incomplete, Limits, Progress};
 pub use exported_value::ExportedValue;
 pub use growth::GrowingLocation;
 pub use mail::{ContentValues, MessageModel};
+pub use monitor::{
+    ConditionValue, GivenProperty, Monitors, MonitorsState, PropertyViolation, UnwatchedProperty,
+    WatchedProperty,
+};
 pub use mutation::{Mutant, mutants};
 pub use options::{Engine, FairName, InputValues, Options, Storage};
 pub use preparation::state_constraints;

@@ -161,7 +161,7 @@ impl Prepared {
 }
 
 /// Returns the text of a place on one line.
-fn text_of(sources: &Sources, place: Span) -> String {
+pub(crate) fn text_of(sources: &Sources, place: Span) -> String {
     let words: Vec<&str> = sources.snippet(place).split_whitespace().collect();
     words.join(" ")
 }
@@ -278,7 +278,7 @@ fn resolve(
 }
 
 /// Adds a term to a specification and resolves it.
-fn add(specification: &mut Specification, text: &str) -> Result<Expression, Report> {
+pub(crate) fn add(specification: &mut Specification, text: &str) -> Result<Expression, Report> {
     // texts with the same path are one source
     let sources = &mut specification.sources;
     let numbered = (2..).map(|number: usize| format!("<property {number}>"));

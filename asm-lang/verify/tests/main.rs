@@ -19,6 +19,7 @@ mod grounded;
 mod guard_rails;
 mod independent;
 mod models;
+mod monitors;
 mod naive;
 mod naive_systems;
 mod nusmv;

@@ -132,6 +132,8 @@ pub(crate) mod c186;
 pub(crate) mod c187;
 pub(crate) mod c188;
 pub(crate) mod c190;
+pub(crate) mod c200;
+pub(crate) mod c201;
 
 use asmotion_diagnostics::Code;
 
@@ -267,4 +269,6 @@ pub const CODES: &[&Code] = &[
     c187::EndlessCircle::CODE,
     c188::UnconvertedLiteral::CODE,
     c190::NoCertificate::CODE,
+    c200::InvalidWatch::CODE,
+    c201::UnwatchedProperties::CODE,
 ];

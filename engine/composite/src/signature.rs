@@ -46,7 +46,7 @@ pub trait Signature {
         None
     }
 
-    /// Returns the warnings of the specification that concern its runs.
+    /// Returns the warnings of the specification that concern its runs in a composite.
     fn warnings(&self) -> Report {
         Report::new()
     }
@@ -69,6 +69,16 @@ pub trait Signature {
     fn term(&self, text: &str) -> Result<Option<Codomain>, String> {
         let _ = text;
         Ok(None)
+    }
+
+    /// Checks a rule in the scope of the specification.
+    ///
+    /// # Errors
+    ///
+    /// The first error in the rule, as text.
+    fn rule(&self, text: &str) -> Result<(), String> {
+        let _ = text;
+        Ok(())
     }
 
     /// Returns the first operation of a partner whose reply the specification awaits, and the location of the call.

@@ -2,15 +2,19 @@
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use asmotion_coordinator::CONTROL_STATES;
-use asmotion_diagnostics::{FileId, Loader, Report, Sources, Span};
+use asmotion_diagnostics::{FileId, Finding, Loader, Report, Sources, Span};
+use asmotion_lang::Specification;
 use asmotion_lang::hir::{self, DomainKind, Model, RuleKind, TermKind, Type, TypeId, UpdateTarget};
 use asmotion_lang::ir::{self, MessageRole, Program, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
+use asmotion_verify::Monitors;
 
+use crate::codes::c201::UnwatchedProperties;
 use crate::signature::{
     Annotated, AnnotatedPort, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind,
     MissingLiteral, ParameterInfo, Signature, Specifications, StatedProperties,
@@ -47,10 +51,12 @@ impl Specifications for AsmFiles<'_> {
                 let annotations = annotations.unwrap_or_default();
                 // what cannot be lowered is reported when the specification starts
                 let program = ir::lower(&model).ok().map(|lowered| lowered.program);
+                let (model, warnings) = unwatched(model, sources);
                 Ok(Some(Box::new(ModelSignature {
                     model: RefCell::new(model),
                     program,
                     annotations,
+                    warnings,
                 })))
             }
             None => Err(report.finish()),
@@ -64,6 +70,42 @@ struct ModelSignature {
     /// The model in executable form; `None` if it cannot be lowered.
     program: Option<Program>,
     annotations: Annotations,
+    /// Warnings that concern runs.
+    warnings: Report,
+}
+
+/// Returns the model, and a warning about properties that a run cannot watch.
+fn unwatched(model: Model, sources: &Sources) -> (Model, Report) {
+    if model.properties.is_empty() {
+        return (model, Report::new());
+    }
+    let Ok(lowered) = ir::lower(&model) else {
+        return (model, Report::new());
+    };
+    let mut specification = Specification {
+        model,
+        program: Arc::new(lowered.program),
+        origins: lowered.origins,
+        sources: sources.clone(),
+        report: Report::new(),
+    };
+    let monitors = Monitors::of(&mut specification, &[]).unwrap_or_default();
+    let mut model = specification.model;
+    model.forget_added(0, 0);
+    let mut unwatched: Vec<(Span, String)> = Vec::new();
+    for property in monitors.watched() {
+        if let (Some(at), false) = (property.at, property.unwatched.is_empty()) {
+            let reasons = property.unwatched.join("; ");
+            unwatched.push((at, format!("watched in part: {reasons}")));
+        }
+    }
+    let wholly = monitors.unwatched().iter();
+    unwatched.extend(wholly.filter_map(|it| Some((it.at?, it.reason.clone()))));
+    let mut report = Report::new();
+    if !unwatched.is_empty() {
+        report.push(UnwatchedProperties { unwatched }.diagnostic());
+    }
+    (model, report)
 }
 
 impl Signature for ModelSignature {
@@ -78,9 +120,7 @@ impl Signature for ModelSignature {
     }
 
     fn warnings(&self) -> Report {
-        asmotion_lang::unverified_properties(&self.model.borrow())
-            .into_iter()
-            .collect()
+        self.warnings.clone()
     }
 
     fn functions(&self) -> Vec<FunctionInfo> {
@@ -152,6 +192,19 @@ impl Signature for ModelSignature {
         let found = found.map(|found| codomain(&model, found));
         model.forget_added(terms, rules);
         Ok(found)
+    }
+
+    fn rule(&self, text: &str) -> Result<(), String> {
+        let mut model = self.model.borrow_mut();
+        let first = |report: Report| {
+            let mut found = report.diagnostics.into_iter();
+            found.next().map(|it| it.message).unwrap_or_default()
+        };
+        let rule = asmotion_lang::syntax::parse_rule(FileId::default(), text).map_err(first)?;
+        let (terms, rules) = (model.added.terms.len(), model.added.rules.len());
+        model.add_rule(&rule).map_err(first)?;
+        model.forget_added(terms, rules);
+        Ok(())
     }
 
     fn read_functions(&self, terms: &[&str]) -> Option<BTreeSet<String>> {

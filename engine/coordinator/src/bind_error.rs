@@ -45,6 +45,20 @@ pub enum BindError {
         /// The first error in it.
         reason: String,
     },
+    /// A property that the composite states does not fit the specification.
+    #[error("invalid property under `watch`: {reason}")]
+    InvalidProperty {
+        /// The first error in it.
+        reason: String,
+    },
+    /// The safe rule does not fit the specification.
+    #[error("invalid safe rule `{rule}`: {reason}")]
+    InvalidRule {
+        /// The rule as given.
+        rule: String,
+        /// The first error in it.
+        reason: String,
+    },
     /// The component has no such port.
     #[error("the component has no port `{port}`")]
     UnknownPort {

@@ -14,6 +14,7 @@ use crate::requests::Requests;
 use crate::step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
+use crate::watch::{StepFailure, Watch, WatchedStep, Watcher};
 use asmotion_component::{
     BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
     NOTICE_REPORT, Setup, ThawError, Time,
@@ -45,6 +46,8 @@ pub struct Coordinator {
     pub(crate) last_record: Option<(Time, StepRecord)>,
     /// Collects what a recording needs; `None` unless the run is recorded. Not part of the frozen state.
     pub(crate) recorder: Option<CycleRecorder>,
+    /// Watches the properties of the specification.
+    pub(crate) watcher: Watcher,
 }
 
 /// Kind of the report with the number of lost messages, a [`Losses`].
@@ -56,13 +59,30 @@ impl Coordinator {
     /// # Errors
     /// An error if the binding does not fit, or if the initial state cannot be built.
     pub fn new(
-        mut specification: Specification,
+        specification: Specification,
         binding: &Binding,
         interfaces: &Interfaces,
         seed: u64,
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
+        let watch = Watch::default();
+        Self::watching(specification, binding, &watch, interfaces, seed, interface)
+    }
+
+    /// As [`Coordinator::new`]; `watch` says which properties are watched, and the reaction to violations.
+    ///
+    /// # Errors
+    /// As [`Coordinator::new`], or a property or the safe rule does not fit the specification.
+    pub fn watching(
+        mut specification: Specification,
+        binding: &Binding,
+        watch: &Watch,
+        interfaces: &Interfaces,
+        seed: u64,
+        interface: &mut Interface,
+    ) -> Result<Self, BindError> {
         let terms = BindingTerms::add(binding, &mut specification)?;
+        let watcher = Watcher::new(&mut specification, watch)?;
         let handles = declare(binding, interfaces, interface)?;
         let requests = Requests::declare(binding, interfaces, interface)?;
         let partners = MessagePartners::declare(
@@ -92,7 +112,7 @@ impl Coordinator {
         let outputs = resolver.outputs(binding)?;
         let outbox = EffectOutbox::new(outputs, handles, binding);
         Ok(Self {
-            fingerprint: fingerprint(&specification, binding),
+            fingerprint: fingerprint(&specification, binding, watch),
             specification,
             binding: binding.clone(),
             machine,
@@ -106,6 +126,7 @@ impl Coordinator {
             reported: Losses::default(),
             last_record: None,
             recorder: None,
+            watcher,
         })
     }
 
@@ -144,6 +165,7 @@ impl Component for Coordinator {
             self.machine = machine.map_err(Fault::new)?;
             self.inbox.stop_timers();
             self.outbox.published.clear();
+            self.watcher.begin();
             if let Some(recorder) = &mut self.recorder {
                 recorder.begin(MachineOrigin::Initial);
             }
@@ -185,25 +207,25 @@ impl Component for Coordinator {
             self.update_timers(now)?;
         }
         let (steps, causes) = (self.machine.steps(), self.recorded_causes());
-        let stepped = self
-            .machine
-            .step(&mut self.frame, &mut self.chooser, now.nanos());
-        if let Err(fault) = stepped.map(|_| ()) {
-            let record = StepRecord::failed(&self.specification, &self.machine, fault.step);
-            cycle.report(FAILED_STEP_REPORT, Datum::of(&record)?);
-            let finding = self.specification.explain_in(&fault, &self.machine);
-            self.record_cycle(steps, causes, Some(&finding), cycle)?;
-            let finding = with_missing_inputs(finding, &fault, &self.machine);
-            return Err(self.rendered(&finding));
+        let made = self.watched_step(now);
+        Self::report_violations(&made.violations, cycle)?;
+        if let Some(failure) = &made.failure {
+            let fault = self.failed(failure, cycle)?;
+            self.record_cycle(steps, causes, &made, Some(&fault.0), cycle)?;
+            return Err(fault.1);
         }
         let step = self.machine.last_step();
-        if !step.updates().is_empty() || !step.sent().is_empty() {
-            let record = StepRecord::of(&self.specification, &self.machine, &step);
+        let is_safe = made.replaced.is_some();
+        if is_safe || !step.updates().is_empty() || !step.sent().is_empty() {
+            let record = StepRecord {
+                safe_rule: made.replaced.as_ref().map(|it| it.rule.clone()),
+                ..StepRecord::of(&self.specification, &self.machine, &step)
+            };
             // the step is reported before its effects
             cycle.report(STEP_REPORT, Datum::of(&record)?);
             self.last_record = Some((cycle.now(), record));
         }
-        self.record_cycle(steps, causes, None, cycle)?;
+        self.record_cycle(steps, causes, &made, None, cycle)?;
         let mut after = AfterStep {
             machine: &mut self.machine,
             frame: &mut self.frame,
@@ -220,6 +242,10 @@ impl Component for Coordinator {
         self.report_losses(cycle)?;
         if self.inbox.has_waiting_events() {
             cycle.request_cycle();
+        }
+        if let Some(deadline) = self.watcher.monitors.deadline_ns() {
+            // a response is late even if nothing happens
+            cycle.request_cycle_at(Time::from_nanos(deadline));
         }
         Ok(())
     }
@@ -276,16 +302,49 @@ impl Coordinator {
         &self,
         steps: u64,
         causes: Option<CycleCauses>,
-        fault: Option<&Diagnostic>,
+        made: &WatchedStep,
+        fault: Option<&str>,
         cycle: &mut Cycle<'_>,
     ) -> Result<(), Fault> {
         let Some(causes) = causes else {
             return Ok(());
         };
-        let fault = fault.map(|finding| finding.message.clone());
-        let record = RecordedCycle::of(&self.specification, &self.machine, steps, causes, fault);
+        let fault = fault.map(ToOwned::to_owned);
+        let (specification, machine) = (&self.specification, &self.machine);
+        let record = RecordedCycle {
+            violations: made.violations.clone(),
+            replaced: made.replaced.clone(),
+            ..RecordedCycle::of(specification, machine, steps, causes, fault)
+        };
         cycle.report(RECORDED_CYCLE_REPORT, Datum::of(&record)?);
         Ok(())
+    }
+
+    /// Reports a step that failed. Returns the message of its fault, and the fault of the component.
+    fn failed(
+        &self,
+        failure: &StepFailure,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(String, Fault), Fault> {
+        let number = match failure {
+            StepFailure::Fault(fault) => fault.step,
+            StepFailure::Unsafe(_) => self.machine.steps(),
+        };
+        let record = StepRecord::failed(&self.specification, &self.machine, number);
+        cycle.report(FAILED_STEP_REPORT, Datum::of(&record)?);
+        Ok(match failure {
+            StepFailure::Fault(fault) => {
+                let finding = self.specification.explain_in(fault, &self.machine);
+                let message = finding.message.clone();
+                let finding = with_missing_inputs(finding, fault, &self.machine);
+                (message, self.rendered(&finding))
+            }
+            StepFailure::Unsafe(properties) => {
+                let properties = properties.join("`, `");
+                let message = format!("the step of the safe rule violates `{properties}`, too");
+                (message.clone(), Fault::new(message))
+            }
+        })
     }
 
     /// Starts and stops timers according to their conditions in the current state.

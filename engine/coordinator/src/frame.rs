@@ -5,7 +5,7 @@ use asmotion_lang::ir::FunctionId;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The inputs of one step.
 #[derive(Debug, Default)]
@@ -14,6 +14,10 @@ pub(crate) struct InputFrame {
     positions: BTreeMap<FunctionId, BTreeMap<Vec<Value>, usize>>,
     /// `None` until the inputs are fixed for the first time.
     values: Vec<Option<Value>>,
+    /// The function of each location.
+    functions: Vec<FunctionId>,
+    /// Functions of which a location has another value than at the last call of `take_changed`.
+    changed: BTreeSet<FunctionId>,
 }
 
 impl InputFrame {
@@ -26,6 +30,7 @@ impl InputFrame {
         }
         bound.insert(arguments, position);
         self.values.push(None);
+        self.functions.push(function);
         Some(position)
     }
 
@@ -54,11 +59,21 @@ impl InputFrame {
 
     pub fn clear(&mut self) {
         self.values.fill(None);
+        self.changed.extend(&self.functions);
+    }
+
+    /// Returns the functions of which a location has another value than at the last call.
+    pub fn take_changed(&mut self) -> BTreeSet<FunctionId> {
+        std::mem::take(&mut self.changed)
     }
 
     /// Sets the value of the location at this position.
     pub fn set(&mut self, position: usize, value: Value) {
-        if let Some(known) = self.values.get_mut(position) {
+        let Some(known) = self.values.get_mut(position) else {
+            return;
+        };
+        if known.as_ref() != Some(&value) {
+            self.changed.extend(self.functions.get(position));
             *known = Some(value);
         }
     }

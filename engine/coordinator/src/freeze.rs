@@ -14,6 +14,7 @@ use asmotion_datum::Datum;
 use asmotion_lang::machine::{ForeignSnapshot, Machine, MessageId, Snapshot, pack_value};
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::value::Value;
+use asmotion_verify::MonitorsState;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -21,7 +22,7 @@ use std::collections::BTreeMap;
 const COMPONENT: &str = "asm::Coordinator";
 
 /// Version of the layout of [`FrozenCoordinator`] and of the machine encoding.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// A value in the compact encoding of the machine.
 type PackedValue = serde_bytes::ByteBuf;
@@ -48,6 +49,7 @@ struct FrozenCoordinator {
     calls: Vec<FrozenCall>,
     /// Requests not yet answered by the machine: message, operation, request.
     requests: Vec<(u64, usize, RequestId)>,
+    monitors: MonitorsState,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -261,6 +263,7 @@ impl Coordinator {
             requests: requests
                 .map(|(message, served, request)| (message.0, *served, *request))
                 .collect(),
+            monitors: self.watcher.monitors.state(),
         };
         FrozenState::of(COMPONENT, VERSION, &state)
     }
@@ -298,6 +301,9 @@ impl Coordinator {
             && frozen.requests.iter().all(|(_, of, _)| *of < served);
         if !fits {
             return Err(foreign_state("it has other inputs or operations"));
+        }
+        if !self.watcher.monitors.restore(&frozen.monitors) {
+            return Err(foreign_state("it watches other properties"));
         }
         for (input, thawed) in self.inbox.inputs.iter_mut().zip(inputs) {
             thawed.assign(input);

@@ -26,6 +26,7 @@ mod step;
 mod takeover;
 mod terms;
 mod typed_input;
+mod watch;
 
 pub use bind_error::BindError;
 pub use binding::{
@@ -38,7 +39,10 @@ pub use location::{LocationArgument, LocationName};
 pub use partners::{BAD_REPLY_REPORT, BadReply};
 pub use recorded::{
     ChoiceRecord, CycleCauses, MachineBegin, MachineOrigin, RECORDED_CYCLE_REPORT, ReadLocation,
-    RecordedCycle, SourceRecord,
+    RecordedCycle, ReplacedStep, SourceRecord,
 };
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
+pub use watch::{
+    ConditionRecord, GivenProperty, VIOLATION_REPORT, ViolationReaction, ViolationRecord, Watch,
+};

@@ -1,6 +1,7 @@
 //! A cycle of a coordinator as it is recorded: the causes of its step, from which a machine repeats it, and the effects.
 
 use crate::step::{UpdateRecord, update_records};
+use crate::watch::ViolationRecord;
 use asmotion_lang::Specification;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate::{self, RecordedMessage};
@@ -51,6 +52,26 @@ pub struct RecordedCycle {
     /// The reason that the step failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
+    /// The properties that the step violated, or would have violated without the safe rule.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violations: Vec<ViolationRecord>,
+    /// The step of the main rule that the safe rule replaced. `choices` and `updates` are those of the safe rule.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub replaced: Option<ReplacedStep>,
+}
+
+/// A step that the safe rule replaced.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ReplacedStep {
+    /// The safe rule.
+    pub rule: String,
+    /// Choices of the replaced step, which come before those of the safe rule.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<ChoiceRecord>,
+    /// The discarded update set; empty if the inputs alone violated a property, so that the main rule was not executed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub updates: Vec<UpdateRecord>,
 }
 
 /// A location that a step read.
@@ -163,6 +184,8 @@ impl RecordedCycle {
             extended: Vec::new(),
             sent: Vec::new(),
             fault,
+            violations: Vec::new(),
+            replaced: None,
         };
         // a step that breaks an invariant has a next state, and fails all the same
         if machine.steps() > steps {

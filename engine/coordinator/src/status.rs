@@ -32,6 +32,12 @@ pub struct CoordinatorStatus {
     pub silent: BTreeSet<String>,
     /// Number of events waiting for a step, by location.
     pub waiting_events: BTreeMap<String, u64>,
+    /// Properties that steps have violated, with the number of these steps.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub violated: BTreeMap<String, u64>,
+    /// Properties that are not watched, with the reason.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub unwatched: BTreeMap<String, String>,
 }
 
 /// A step that wrote something.
@@ -104,7 +110,24 @@ impl Coordinator {
             calls: calls.collect(),
             silent: self.silent_locations(),
             waiting_events: self.waiting_events(),
+            violated: self.violated(),
+            unwatched: self.unwatched(),
         }
+    }
+
+    fn violated(&self) -> BTreeMap<String, u64> {
+        let monitors = &self.watcher.monitors;
+        let watched = monitors.watched().iter().enumerate();
+        let counted = watched
+            .map(|(index, property)| (property.text.clone(), monitors.violated_steps(index)));
+        counted.filter(|(_, steps)| *steps > 0).collect()
+    }
+
+    fn unwatched(&self) -> BTreeMap<String, String> {
+        let unwatched = self.watcher.monitors.unwatched().iter();
+        unwatched
+            .map(|it| (it.text.clone(), it.reason.clone()))
+            .collect()
     }
 
     fn control_states(&self) -> BTreeMap<String, String> {

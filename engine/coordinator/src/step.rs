@@ -26,6 +26,9 @@ pub struct StepRecord {
     pub choices: Vec<(u64, u64)>,
     /// The update set, ordered by location.
     pub updates: Vec<UpdateRecord>,
+    /// The safe rule, if it made the step in place of the main rule.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub safe_rule: Option<String>,
 }
 
 /// An update.
@@ -69,6 +72,7 @@ impl StepRecord {
                 .map(|choice| (choice.index as u64, choice.count as u64))
                 .collect(),
             updates: update_records(specification, machine, step),
+            safe_rule: None,
         }
     }
 }

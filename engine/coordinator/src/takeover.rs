@@ -50,6 +50,8 @@ impl Coordinator {
         self.reported = predecessor.reported;
         self.recorder = recorder;
         self.last_record.clone_from(&predecessor.last_record);
+        let monitors = &mut self.watcher.monitors;
+        let unwatched = monitors.continue_from(&predecessor.watcher.monitors);
         if self.machine.steps() > 0 {
             self.update_timers(now)?;
         }
@@ -57,6 +59,9 @@ impl Coordinator {
         let _ = self.machine.set_back_end(BackEnd::Native);
         let mut notes = self.notes(predecessor, &elements);
         notes.extend(dropped);
+        notes.extend(unwatched.into_iter().map(|property| {
+            format!("`{property}` is not watched any more: the new version has no such property")
+        }));
         Ok(notes)
     }
 

@@ -4,3 +4,4 @@
 mod conversion;
 mod events;
 mod life;
+mod watching;

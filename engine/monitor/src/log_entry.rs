@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use asmotion_component::{LOG_REPORT, NOTICE_REPORT, Time};
-use asmotion_coordinator::{BAD_REPLY_REPORT, LOSSES_REPORT, UNFIT_REPORT, UNSENT_REPORT};
+use asmotion_coordinator::{
+    BAD_REPLY_REPORT, LOSSES_REPORT, UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT,
+    ViolationRecord,
+};
 use asmotion_datum::{Datum, Sample};
 use asmotion_runtime::Event;
 use serde_json::{Value, json};
@@ -118,9 +121,12 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
             data,
         } => {
             let level = level_of(kind)?;
-            let text = data
-                .as_text()
-                .map_or_else(|| data.to_string(), str::to_owned);
+            let violation = data.to::<ViolationRecord>().ok();
+            let violation = violation.filter(|_| *kind == VIOLATION_REPORT);
+            let text = violation.map(|it| it.to_string()).unwrap_or_else(|| {
+                data.as_text()
+                    .map_or_else(|| data.to_string(), str::to_owned)
+            });
             entry(at, level, kind, component, &text)
         }
         Event::Lost { count } => entry(
@@ -157,6 +163,7 @@ pub(crate) fn level_of(kind: &str) -> Option<&'static str> {
         LOG_REPORT => "info",
         NOTICE_REPORT => "notice",
         LOSSES_REPORT | BAD_REPLY_REPORT | UNFIT_REPORT | UNSENT_REPORT => "warning",
+        VIOLATION_REPORT => "error",
         _ => return None,
     })
 }

@@ -1,7 +1,10 @@
 //! Prints the events and the summary of a run, as text or as JSON.
 
 use asmotion_component::{LOG_REPORT, Losses, NOTICE_REPORT, Time};
-use asmotion_coordinator::{BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord};
+use asmotion_coordinator::{
+    BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, VIOLATION_REPORT,
+    ViolationRecord,
+};
 use asmotion_runtime::Event;
 use serde_json::json;
 
@@ -19,6 +22,16 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
         } if *kind == STEP_REPORT => {
             let step: StepRecord = what.to().ok()?;
             Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
+        }
+        Event::Report {
+            component,
+            kind,
+            data,
+        } if *kind == VIOLATION_REPORT => {
+            let violation: ViolationRecord = data.to().ok()?;
+            Some(json!({
+                "type": "violation", "v": 1, "t": t, "component": component, "violation": violation,
+            }))
         }
         Event::Report {
             component,

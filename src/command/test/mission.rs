@@ -18,7 +18,7 @@ use asmotion_composite::SettingValue;
 use asmotion_composite::mission::{
     MissionAct, MissionExpectation, MissionFile, MissionRequirement,
 };
-use asmotion_coordinator::STEP_REPORT;
+use asmotion_coordinator::{STEP_REPORT, VIOLATION_REPORT};
 use asmotion_diagnostics::{Finding, Sources};
 use asmotion_lang::simulate::scenario::Verdict;
 use asmotion_lang::{Diagnostic, Loader, Report};
@@ -230,10 +230,10 @@ fn setting(value: &SettingValue) -> String {
     }
 }
 
-/// Whether an event belongs to the snapshot: steps, life cycles and faults, but no streams of messages.
+/// Whether an event belongs to the snapshot: steps, violations, life cycles and faults, but no streams of messages.
 fn is_in_snapshot(event: &Event<'_>) -> bool {
     match event {
-        Event::Report { kind, .. } => *kind == STEP_REPORT,
+        Event::Report { kind, .. } => [STEP_REPORT, VIOLATION_REPORT].contains(kind),
         Event::LifeCycle { .. } | Event::Fault { .. } => true,
         Event::Cycle { .. }
         | Event::Published { .. }

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use asmotion_component::{Component, Interface};
-use asmotion_coordinator::{Coordinator, Interfaces};
+use asmotion_composite::model::PlannedWatch;
+use asmotion_coordinator::{Coordinator, GivenProperty, Interfaces, Watch};
 use asmotion_datum::Schema;
 use asmotion_diagnostics::{FileId, Loader};
 use asmotion_plan::Plan;
@@ -22,9 +23,18 @@ pub(super) fn make(
     let specification = asmotion_lang::open(file, loader).map_err(|failure| failure.to_string())?;
     let binding = component.binding.clone().unwrap_or_default();
     let interfaces = interfaces(component, types);
+    let watch = component.special.watch.as_ref();
+    let watch = watch.map(watched).unwrap_or_default();
     Ok(Box::new(move |interface: &mut Interface| {
         let seed = options.seed;
-        let made = Coordinator::new(specification, &binding, &interfaces, seed, interface);
+        let made = Coordinator::watching(
+            specification,
+            &binding,
+            &watch,
+            &interfaces,
+            seed,
+            interface,
+        );
         let mut made = made.map_err(|error| error.to_string())?;
         if options.records_cycles {
             made.record_cycles();
@@ -57,6 +67,20 @@ pub(crate) fn texts(file: &str, loader: &dyn Loader) -> Vec<Arc<str>> {
     let files = (0..).map(FileId);
     let files = files.take_while(|file| !sources.path(*file).is_empty());
     files.map(|file| sources.shared_text(file)).collect()
+}
+
+fn watched(keys: &PlannedWatch) -> Watch {
+    let properties = keys.properties.iter().map(|it| GivenProperty {
+        text: it.property.clone(),
+        within_ns: it
+            .within_ms
+            .and_then(|ms| i64::try_from(ms).ok()?.checked_mul(1_000_000)),
+    });
+    Watch {
+        is_off: !keys.temporal,
+        safe_rule: keys.safe_rule.clone(),
+        properties: properties.collect(),
+    }
 }
 
 fn interfaces(

@@ -12,6 +12,7 @@ use crate::codes::c153::ProgramWithoutDeclaration;
 use crate::codes::c154::ProgramElsewhere;
 use crate::codes::c158::RobotWithoutDeclaration;
 use crate::codes::c159::RobotNotAsked;
+use crate::codes::c200::{InvalidWatch, WatchedPart};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -28,7 +29,7 @@ use crate::finding::Findings;
 use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use crate::programs::{command_of, robot_component};
-use crate::signature::Signature;
+use crate::signature::{Codomain, Signature};
 use asmotion_datum::Word;
 
 /// Returns the active components with their ports, services and properties.
@@ -47,6 +48,7 @@ pub(crate) fn parts<'s>(
         id(component, &mut ids, report);
         schedule::check(scene, component, report);
         verify(scene, component, report);
+        watch(scene, component, report);
         let face = face(scene, component, nested, report);
         safe(scene, component, &face, report);
         let bind = scene.family.bind(scene.member, component);
@@ -113,6 +115,40 @@ fn verify(scene: &CheckedComposite<'_>, component: &Component, report: &mut Repo
                 component: component.name.value.clone(),
                 kind,
                 at: key.span,
+            });
+        }
+    }
+}
+
+/// Checks that the safe rule and the properties of `watch` are a rule and conditions of the specification.
+fn watch(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
+    let Some(watch) = &component.special.watch else {
+        return;
+    };
+    let Some(Implementation::Asm { file, .. }) = &component.implementation else {
+        return;
+    };
+    let specification = scene.family.specification(scene.member, &file.value);
+    let Some(specification) = specification else {
+        return;
+    };
+    let rule = watch.safe_rule.as_ref();
+    let rule = rule.map(|rule| (rule, WatchedPart::SafeRule, specification.rule(&rule.value)));
+    let properties = watch.properties.iter().map(|it| {
+        let found = match specification.term(&it.property.value) {
+            Ok(Some(Codomain::Boolean) | None) => Ok(()),
+            Ok(Some(found)) => Err(format!("a property is Boolean, not {}", found.name())),
+            Err(reason) => Err(reason),
+        };
+        (&it.property, WatchedPart::Property, found)
+    });
+    for (text, part, found) in rule.into_iter().chain(properties) {
+        if let Err(reason) = found {
+            report.found(InvalidWatch {
+                part,
+                text: text.value.clone(),
+                reason,
+                at: text.span,
             });
         }
     }

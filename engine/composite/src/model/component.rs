@@ -90,6 +90,9 @@ pub struct SpecialKeys {
     /// Properties of an ASM verified before it starts, with what the other components send it.
     #[key(example = "{ ctl = true }")]
     pub verify: Option<Verify>,
+    /// Properties of an ASM watched while it runs, and the reaction to a violation.
+    #[key(example = "{ safe_rule = \"r_halt[IDLE]\" }")]
+    pub watch: Option<Watch>,
     /// Specification of what the component sends, depending on what it receives, for the verification of others. `check`
     /// compares its functions with the ports and operations of the component (`C160`), and their values with those that the ports
     /// carry (`C161`).
@@ -202,6 +205,41 @@ pub struct Verify {
 impl Verify {
     /// Default of `time_s` in seconds.
     pub(crate) const TIME_S: f64 = 60.0;
+}
+
+/// Properties of an ASM watched while it runs.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "`watch`",
+    example = "{ safe_rule = \"r_halt[IDLE]\" }",
+    resolved = PlannedWatch
+)]
+pub struct Watch {
+    /// Watch temporal properties. Invariants are always checked.
+    #[key(default = true)]
+    pub temporal: Option<At<bool>>,
+    /// Rule of the specification that makes a step in place of the main rule, if the step would violate a property.
+    #[key(example = "\"r_halt[IDLE]\"")]
+    pub safe_rule: Option<At<String>>,
+    /// Properties in addition to those of the specification.
+    #[key(example = "[{ property = \"ag(asked implies af(answered))\", within_ms = 2000 }]")]
+    pub properties: Vec<StatedProperty>,
+}
+
+/// A property that a composite states.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a property",
+    example = "{ property = \"ag(asked implies af(answered))\", within_ms = 2000 }",
+    resolved = PlannedStatedProperty
+)]
+pub struct StatedProperty {
+    /// Formula of CTL or LTL, or a condition of every state, as a term of the specification.
+    #[key(needed, example = "\"ag(asked implies af(answered))\"")]
+    pub property: At<String>,
+    /// Time within which what has to happen eventually has to happen.
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub within_ms: Option<At<u64>>,
 }
 
 /// An entry of `map`.

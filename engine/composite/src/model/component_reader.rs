@@ -53,9 +53,10 @@ pub(crate) fn belongs(component: &mut Component, keys: &mut Keys<'_, '_, '_>) {
         builtin == Some(BuiltinComponent::RosBridge),
         builtin == Some(BuiltinComponent::PortProxy),
     );
-    let rules: [(&'static str, bool, &'static str); 16] = [
+    let rules: [(&'static str, bool, &'static str); 17] = [
         ("bind", asm, "only functions of an ASM can be bound"),
         ("verify", asm, "only an ASM can be verified"),
+        ("watch", asm, "only properties of an ASM can be watched"),
         (
             "map",
             ros || proxy,

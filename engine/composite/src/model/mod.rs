@@ -24,8 +24,8 @@ pub use component::{
     Busy, Component, Condition, Direction, Durability, Idle, ListLength, Listed, MapEntry,
     MessagePath, Notify, PlannedIdle, PlannedListLength, PlannedMapEntry, PlannedNotify,
     PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedRosQos, PlannedSpecialKeys,
-    PlannedVerify, Plot, Ports, ProxyEntry, ProxyMode, Rename, RosEntry, RosQos, RosReliability,
-    SpecialKeys, Verify, Wanted,
+    PlannedStatedProperty, PlannedVerify, PlannedWatch, Plot, Ports, ProxyEntry, ProxyMode, Rename,
+    RosEntry, RosQos, RosReliability, SpecialKeys, StatedProperty, Verify, Wanted, Watch,
 };
 pub use composite::{Composite, Head};
 pub use deploy::{

@@ -174,6 +174,7 @@ impl RunBuilder {
                 .map(|it| (it.index, it.of))
                 .collect(),
             updates: cycle.updates,
+            safe_rule: cycle.replaced.map(|it| it.rule),
         };
         if let Some(recorded) = self.moments.steps.get_mut(component) {
             recorded.push(at, record, begin);

@@ -21,6 +21,8 @@ pub(super) enum ChannelKind {
     Step,
     /// Events.
     Event,
+    /// Marks at which a reader may want to begin.
+    Mark,
 }
 
 /// The place of a message: the number of its channel, its number there, and its type.

@@ -7,7 +7,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use asmotion_component::{CallError, CallId, Time};
-use asmotion_coordinator::{FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT};
+use asmotion_coordinator::{
+    FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT, VIOLATION_REPORT,
+    ViolationRecord,
+};
 use asmotion_datum::{Datum, Sample, Schema, json};
 use asmotion_runtime::{Event, Observer};
 use serde_json::{Value, json};
@@ -208,6 +211,14 @@ impl Observer for RecordingObserver {
                 kind,
                 data,
             } if *kind == RECORDED_CYCLE_REPORT => self.step(at, component, data),
+            Event::Report {
+                component,
+                kind,
+                data,
+            } if *kind == VIOLATION_REPORT => {
+                self.mark(at, component, data);
+                self.event(at, event);
+            }
             // part of the recorded cycle
             Event::Report { kind, .. }
                 if [STEP_REPORT, FAILED_STEP_REPORT].contains(kind) && self.options.steps => {}
@@ -404,6 +415,26 @@ impl RecordingObserver {
             self.add_channel(place.0, place.1, place.2, Some(about));
         }
         self.message(at, place, |_| Some(record.to_string().into_bytes()));
+    }
+
+    /// Marks a violation, so that readers find it without reading everything before it.
+    fn mark(&mut self, at: Time, component: &str, data: &Datum) {
+        let Ok(violation) = data.to::<ViolationRecord>() else {
+            return;
+        };
+        let place = (ChannelKind::Mark, "", "");
+        if !self.channels.is_known(place.0, place.1, place.2) {
+            let about = ChannelAbout {
+                topic: "marks".to_owned(),
+                schema: schemas::mark(),
+                facts: Vec::new(),
+            };
+            self.add_channel(place.0, place.1, place.2, Some(about));
+        }
+        let mark = json!({
+            "kind": "violation", "component": component, "step": violation.step, "text": violation.to_string(),
+        });
+        self.message(at, place, |_| Some(mark.to_string().into_bytes()));
     }
 
     fn step(&mut self, at: Time, component: &str, data: &Datum) {

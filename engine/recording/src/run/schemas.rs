@@ -110,6 +110,14 @@ pub(super) fn answer() -> ChannelSchema {
     ChannelSchema::Json("asmotion.Answer".to_owned(), schema.to_string())
 }
 
+/// The schema of a mark, by which readers find a place in the recording.
+pub(super) fn mark() -> ChannelSchema {
+    let schema = object(json!({
+        "kind": text(), "component": text(), "step": integer(), "text": text(),
+    }));
+    ChannelSchema::Json("asmotion.Mark".to_owned(), schema.to_string())
+}
+
 /// The schema of an event.
 pub(super) fn event() -> ChannelSchema {
     let schema = object(json!({

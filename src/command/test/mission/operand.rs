@@ -2,7 +2,7 @@
 
 use asmotion_component::{State, Time};
 use asmotion_composite::At;
-use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_coordinator::{STEP_REPORT, StepRecord, VIOLATION_REPORT};
 use asmotion_datum::{Datum, Sample};
 use asmotion_runtime::Event;
 
@@ -62,6 +62,8 @@ pub(super) enum Observation {
     Distance(ObservedPlace, ObservedPlace),
     /// State of the life cycle of a component.
     LifeCycle { component: String },
+    /// Number of violations of properties that a component has reported.
+    Violations { component: String, count: u32 },
 }
 
 /// An operand of conditions.
@@ -173,6 +175,20 @@ impl Observation {
                 }
                 let between = difference(from.position()?, to.position()?);
                 Some(ObservedValue::Number(length(between)))
+            }
+            Self::Violations { component, count } => {
+                if let Event::Report {
+                    component: of,
+                    kind: VIOLATION_REPORT,
+                    ..
+                } = event
+                {
+                    *count += u32::from(of == component);
+                    return (of == component).then(|| ObservedValue::Number(f64::from(*count)));
+                }
+                // the number is known as soon as the component is there
+                let is_there = matches!(event, Event::LifeCycle { component: of, .. } if of == component);
+                is_there.then(|| ObservedValue::Number(f64::from(*count)))
             }
             Self::LifeCycle { component } => {
                 if let Event::LifeCycle {

@@ -6,7 +6,7 @@
 //! negation   = "not" negation | "(" condition ")" | comparison
 //! comparison = operand [ ("=" | "!=" | "<" | "<=" | ">" | ">=") literal ]
 //! operand    = name | name "(" arguments ")" | "speed" "(" name ")" | "state" "(" name ")"
-//!            | "distance" "(" place "," place ")"
+//!            | "violations" "(" name ")" | "distance" "(" place "," place ")"
 //! place      = name | "[" number "," number "]"
 //! ```
 
@@ -130,6 +130,11 @@ impl ConditionParser<'_, '_> {
                 let of = self.name("a component")?;
                 self.expect(")")?;
                 self.names.state(&of)
+            }
+            "violations" if self.sign("(") => {
+                let of = self.name("a component")?;
+                self.expect(")")?;
+                self.names.violations(&of)
             }
             "distance" if self.sign("(") => {
                 let from = self.place()?;

@@ -145,6 +145,20 @@ impl<'p> PlanNames<'p> {
         Ok(self.add_call("state", name, observation))
     }
 
+    /// Resolves the number of violations of properties in a component.
+    pub(super) fn violations(&mut self, name: &At<String>) -> ConditionResult<usize> {
+        let component = self.component(name)?.name.clone();
+        if !self.machines.contains_key(&*component) {
+            let reason = format!("`{component}` runs no specification, so no property is watched");
+            return Err(invalid(reason, name.span));
+        }
+        let observation = Observation::Violations {
+            component,
+            count: 0,
+        };
+        Ok(self.add_call("violations", name, observation))
+    }
+
     /// Checks that an operand can be compared with a value.
     pub(super) fn check(
         &self,
@@ -197,6 +211,7 @@ impl<'p> PlanNames<'p> {
             }
             Observation::Velocity { .. }
             | Observation::Movement { .. }
+            | Observation::Violations { .. }
             | Observation::Distance(..) => match with {
                 ObservedValue::Number(_) => Ok(()),
                 ObservedValue::Truth(_) | ObservedValue::Text(_) => {
