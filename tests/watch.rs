@@ -178,7 +178,7 @@ fn a_recording_has_a_mark_at_the_violation() {
     for item in reader {
         match item {
             RecordingItem::Message { channel, at, data } if channel == "marks" => {
-                marks.push((at, serde_json::from_slice::<Value>(&data).unwrap()));
+                marks.push((at, serde_json::from_str::<Value>(&data.json().unwrap()).unwrap()));
             }
             RecordingItem::Step { step, .. } => {
                 assert!(step.is_intact);

@@ -1,6 +1,7 @@
 //! The dashboard of a recording: each view at any time of a run that is over.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -12,10 +13,14 @@ use crate::{WIDE, show, with_text};
 
 const ROVER: &str = "Rover/ASMCoordinator";
 
+/// The rover and the arm.
+fn both() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/dashboard/both.composite.toml")
+}
+
 /// Records the rover and the arm in virtual time.
 fn recorded(folder: &Path) -> PathBuf {
-    let composite =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/dashboard/both.composite.toml");
+    let composite = both();
     let file = folder.join("run.mcap");
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command
@@ -61,10 +66,13 @@ impl Drop for Shown {
     }
 }
 
+/// The control state before and after a step that changes it.
+type ModeUpdate = Option<(String, String)>;
+
 /// What a file says, read without the dashboard.
 struct Truth {
     /// Steps of the rover's coordinator: number, time in s, and the update of its control state.
-    steps: Vec<(u64, f64, Option<(String, String)>)>,
+    steps: Vec<(u64, f64, ModeUpdate)>,
     /// Odometry of the rover: time in s, and x.
     odometry: Vec<(f64, f64)>,
 }
@@ -361,4 +369,87 @@ fn a_file_that_is_none_or_was_cut_is_told() {
     let mut tab = browser.open(&shown.url, WIDE, "light");
     tab.wait("document.querySelector('#banner').textContent.startsWith('The recording is INCOMPLETE: the file is cut')");
     tab.wait("asmotion.store.recording.end > 5 && asmotion.store.recording.end < 39");
+}
+
+/// The description of a recording that its dashboard serves.
+fn description(file: &Path) -> Value {
+    let shown = Shown::start(file);
+    let address = shown
+        .url
+        .trim_start_matches("http://")
+        .trim_end_matches('/');
+    let mut stream = TcpStream::connect(address).unwrap();
+    let request =
+        format!("GET /api/system HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    let (_, body) = answer.split_once("\r\n\r\n").unwrap();
+    serde_json::from_str(body).unwrap()
+}
+
+#[test]
+fn a_recording_for_ros_and_one_in_parts_are_shown_as_any_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = |composite: &Path, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command
+            .arg("run")
+            .arg(composite)
+            .args(["--for", "20", "--json"]);
+        let output = command.args(more).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let last: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+        let paths = last["recording"]["paths"].as_array().unwrap().clone();
+        let paths = paths
+            .iter()
+            .map(|path| PathBuf::from(path.as_str().unwrap()));
+        paths.collect::<Vec<_>>()
+    };
+    let named = |name: &str| folder.path().join(name).display().to_string();
+    let whole = record(&both(), &["--record", &named("run.mcap")]);
+    let bag = record(
+        &both(),
+        &["--record", &named("bag.mcap"), "--record-for", "ros2"],
+    );
+    let text = format!(
+        "schema = \"composite/1\"\nbase = \"{}\"\n[deploy]\nrecord = {{ dir = \"runs\", rotate_mb = 1 }}\n\
+         processes = [{{ name = \"all\", components = [\"Rover\", \"Arm\"] }}]\n",
+        both().display()
+    );
+    let divided = folder.path().join("divided.composite.toml");
+    std::fs::write(&divided, text).unwrap();
+    let parts = record(&divided, &[]);
+    assert!(parts.len() > 2, "{parts:?}");
+    let content = |file: &Path| {
+        let mut system = description(file);
+        let recording = system["recording"].as_object_mut().unwrap();
+        recording.remove("file");
+        system.as_object_mut().unwrap().remove("clock");
+        system
+    };
+    let expected = content(&whole[0]);
+    assert_eq!(expected["recording"]["end"], 20.0);
+    assert_eq!(expected["recording"]["problem"], Value::Null);
+    let trail = &expected["recording"]["trails"]["Rover/RoverDriver.odom"];
+    assert!(trail.as_array().unwrap().len() > 50, "{trail}");
+    let changes = &expected["recording"]["changes"][ROVER];
+    assert_eq!(changes.as_array().unwrap().last().unwrap()[2], "FOLLOWING");
+    assert!(content(&bag[0]) == expected, "the one for ROS differs");
+    assert!(content(&parts[0]) == expected, "the one in parts differs");
+    // a part that is missing is said, and what was before it is shown
+    std::fs::remove_file(&parts[2]).unwrap();
+    let cut = content(&parts[0]);
+    let problem = cut["recording"]["problem"].as_str().unwrap();
+    assert!(problem.contains(".part3.mcap` cannot be read"), "{problem}");
+    assert!(cut["recording"]["end"].as_f64().unwrap() < 20.0);
+    let later = content(&parts[1]);
+    let problem = later["recording"]["problem"].as_str().unwrap();
+    assert!(problem.starts_with("it begins with part 2"), "{problem}");
+    // no specification began there, but their texts are in each part
+    let rover = |system: &Value| {
+        let all = system["specifications"].as_array().unwrap().clone();
+        all.into_iter().find(|it| it["component"] == ROVER).unwrap()
+    };
+    assert_eq!(rover(&later), rover(&expected));
 }

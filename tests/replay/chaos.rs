@@ -128,7 +128,7 @@ fn record(composite: &Path, topics: &'static [&'static str], seed: u64, file: &P
     mission.recording = RecordingRequest {
         file: Some(text(file)),
         ports: vec!["goal".to_owned()],
-        follows_composite: false,
+        ..RecordingRequest::default()
     };
     let mut chaos = Chaos {
         random: 0x9e37_79b9_7f4a_7c15 ^ (seed << 17) ^ seed,

@@ -6,6 +6,9 @@ use asmotion_lang::{ControlDiagram, FunctionKind, Loader, Specification};
 use asmotion_plan::{Component, Implementation, Part, Plan};
 use serde::Serialize;
 
+#[cfg(feature = "recording")]
+use crate::recording_description::RecordingDescription;
+
 /// The description of a system; by default, of an empty one.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SystemDescription {
@@ -21,7 +24,7 @@ pub struct SystemDescription {
     specifications: Vec<DescribedSpecification>,
     /// What only a recording has; `None` for a running system.
     #[cfg(feature = "recording")]
-    pub(crate) recording: Option<crate::recorded::RecordingDescription>,
+    pub(crate) recording: Option<RecordingDescription>,
 }
 
 /// A component and its implementation.

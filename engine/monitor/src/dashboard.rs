@@ -10,6 +10,8 @@ use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::handler::{DashboardHandler, SessionTable};
 use crate::past::Past;
+#[cfg(feature = "recording")]
+use crate::recorded::RecordedRun;
 use crate::settings::DashboardSettings;
 
 /// Limit on the time in which a request's header must arrive, and on the idle time of a connection.
@@ -36,7 +38,7 @@ impl MonitorSource {
 
     /// A run that was recorded, which tabs show at any time. It cannot be controlled.
     #[cfg(feature = "recording")]
-    pub fn recorded(run: crate::RecordedRun) -> Self {
+    pub fn recorded(run: RecordedRun) -> Self {
         Self {
             past: Some(Arc::new(run.past)),
             ..Self::new(run.system, None)

@@ -26,6 +26,8 @@ mod page_request;
 mod past;
 #[cfg(feature = "recording")]
 mod recorded;
+#[cfg(feature = "recording")]
+mod recording_description;
 mod rendering;
 mod ring;
 mod session;

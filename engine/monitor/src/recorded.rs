@@ -13,7 +13,6 @@ use std::sync::Arc;
 use asmotion_component::Time;
 use asmotion_coordinator::StepRecord;
 use asmotion_recording::MessageData;
-use serde::Serialize;
 
 use crate::catalogue::SystemDescription;
 use crate::specification_state::SpecificationState;
@@ -46,23 +45,6 @@ pub(crate) struct RunMoments {
     /// Names, types and rates of the outputs, as JSON.
     outputs_json: String,
     end: Time,
-}
-
-/// The part of a description that only a recording has.
-#[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct RecordingDescription {
-    /// Path of the first file.
-    pub file: String,
-    /// Duration of the run, in seconds.
-    pub end: f64,
-    /// What is missing, in words.
-    pub problem: Option<String>,
-    /// Changes of the control state by component: time, state before and after.
-    pub changes: BTreeMap<String, Vec<(f64, String, String)>>,
-    /// Warnings and errors: time, level and text.
-    pub marks: Vec<(f64, &'static str, String)>,
-    /// Driven paths by output: time, x, y and yaw.
-    pub trails: BTreeMap<String, Vec<[f64; 4]>>,
 }
 
 /// A line of the log.

@@ -449,6 +449,10 @@ fn subscriptions_are_limited_and_nonsense_is_answered() {
             "{nonsense}"
         );
     }
+    // a running system has no moments that a tab could ask for
+    client.send(&json!({ "type": "seek", "t": 1.0, "span": 30.0, "window": true }));
+    let reply = client.reply();
+    assert!(reply["text"].as_str().unwrap().contains("runs"), "{reply}");
     // an acknowledgement of what was never sent opens no credit
     client.send(&json!({ "type": "ack", "seq": u64::MAX }));
     client.frame_with("seq");

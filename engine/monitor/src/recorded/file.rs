@@ -1,11 +1,12 @@
 //! Reads a recorded run from its files.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
 use asmotion_component::Time;
-use asmotion_coordinator::{MachineOrigin, StepRecord};
+use asmotion_coordinator::{MachineOrigin, RecordedCycle, StepRecord};
 use asmotion_datum::Datum;
 use asmotion_lang::MemoryFiles;
 use asmotion_recording::{
@@ -13,11 +14,10 @@ use asmotion_recording::{
 };
 
 use super::entry::{NewEntry, of_call, of_event};
-use super::{
-    RecordedEntry, RecordedOutput, RecordedRun, RecordedSteps, RecordingDescription, RunMoments,
-};
+use super::{RecordedEntry, RecordedOutput, RecordedRun, RecordedSteps, RunMoments};
 use crate::catalogue::SystemDescription;
 use crate::log_entry::brief_datum;
+use crate::recording_description::RecordingDescription;
 use crate::rendering::quoted;
 
 /// Limit on the number of marks.
@@ -34,7 +34,8 @@ const ODOMETRY: &str = "nav_msgs/Odometry";
 struct RunBuilder {
     system: SystemDescription,
     recording: RecordingDescription,
-    texts: BTreeMap<String, Arc<str>>,
+    /// Texts of specifications by hash and path.
+    texts: BTreeMap<(String, String), Arc<str>>,
     moments: RunMoments,
     /// The file ends as it was meant to.
     has_end: bool,
@@ -100,11 +101,10 @@ impl RunBuilder {
     fn add(&mut self, item: RecordingItem) {
         match item {
             RecordingItem::Text { name, text } => {
-                if let Some((hash, _)) = name
-                    .strip_prefix("specification/")
-                    .and_then(|rest| rest.split_once('/'))
-                {
-                    self.texts.insert(hash.to_owned(), text.into());
+                let source = name.strip_prefix("specification/");
+                if let Some((hash, path)) = source.and_then(|source| source.split_once('/')) {
+                    let key = (hash.to_owned(), path.to_owned());
+                    self.texts.insert(key, text.into());
                 }
             }
             RecordingItem::Step { component, step } => self.step(&component, *step),
@@ -139,16 +139,7 @@ impl RunBuilder {
         self.passed(at);
         self.system.add_component(component);
         if !self.moments.steps.contains_key(component) {
-            let mut files = MemoryFiles::new();
-            let sources = cycle.begins.last().map(|begin| &*begin.sources);
-            let sources = sources.unwrap_or_default();
-            for source in sources {
-                if let Some(text) = self.texts.get(&source.hash) {
-                    files.add(&source.path, Arc::clone(text));
-                }
-            }
-            let main = sources.first().map_or("", |main| &main.path);
-            let initial = self.system.add_specification(component, main, &files);
+            let initial = self.specification(component, &cycle);
             let recorded = RecordedSteps::new(&initial);
             self.moments.steps.insert(component.to_owned(), recorded);
         }
@@ -178,6 +169,40 @@ impl RunBuilder {
         };
         if let Some(recorded) = self.moments.steps.get_mut(component) {
             recorded.push(at, record, begin);
+        }
+    }
+
+    /// Describes the specification of a component, from its first step. Returns its initial state; nothing if its beginning is not
+    /// recorded.
+    fn specification(&mut self, component: &str, first: &RecordedCycle) -> Vec<(String, String)> {
+        let mut files = MemoryFiles::new();
+        let sources = first.begins.last().map(|begin| &*begin.sources);
+        let sources = sources.unwrap_or_default();
+        let main = match sources.first() {
+            Some(main) => main.path.clone(),
+            // a part that continues another one does not say which text is that of the component
+            None => {
+                let is_named = |path: &&String| {
+                    Path::new(path).file_stem() == Some(OsStr::new(&first.specification))
+                };
+                let named = self.texts.keys().map(|(_, path)| path).find(is_named);
+                named.cloned().unwrap_or_default()
+            }
+        };
+        for ((hash, path), text) in &self.texts {
+            if sources.is_empty()
+                || sources
+                    .iter()
+                    .any(|it| it.hash == *hash && it.path == *path)
+            {
+                files.add(path, Arc::clone(text));
+            }
+        }
+        let initial = self.system.add_specification(component, &main, &files);
+        if sources.is_empty() {
+            Vec::new()
+        } else {
+            initial
         }
     }
 
