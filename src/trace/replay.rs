@@ -172,7 +172,7 @@ pub fn recorded_run(
 /// The recorded steps of all coordinators by name, or the reason that they cannot be replayed.
 fn runs(text: &str) -> BTreeMap<&str, Result<RecordedRun, ReplayError>> {
     let mut runs: BTreeMap<&str, Result<RecordedRun, ReplayError>> = BTreeMap::new();
-    let mut current = None;
+    let mut current: Option<&str> = None;
     for line in text.lines() {
         if let Some(fact) = line.strip_prefix("  ") {
             if let Some((name, run)) = current.and_then(|name| Some((name, runs.get_mut(name)?)))
