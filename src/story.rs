@@ -20,8 +20,8 @@ use std::collections::BTreeMap;
 
 use asmotion_component::{CallError, CallId, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
-    BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT, UNSENT_REPORT,
-    VIOLATION_REPORT, ViolationRecord,
+    BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT,
+    UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
 };
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;

@@ -141,7 +141,7 @@ fn a_run_whose_properties_are_verified_stops_where_their_assumption_is_wrong() {
     let (code, out, err) = run(&arguments);
     assert_eq!(code, 3, "{out}{err}");
     assert!(
-        !err.contains("W031") && !err.contains("does not start"),
+        !err.contains("C201") && !err.contains("does not start"),
         "{err}"
     );
     let fault = err.lines().find(|line| line.contains("fault of Door"));

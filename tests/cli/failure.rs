@@ -36,6 +36,7 @@ definitions:
   main rule r_Main = n := n + 1
   CTLSPEC ag(n = 0)
   CTLSPEC ag(n = 1)
+  CTLSPEC ef(n = 3)
 default init s0:
   function n = 0
 ";
@@ -149,18 +150,20 @@ properties = { source = \"\" }";
 }
 
 #[test]
-fn properties_that_are_not_verified_are_said_before_the_start() {
+fn properties_that_are_neither_verified_nor_watched_are_said_before_the_start() {
     let guarded = |verify: &str| {
         let rest = format!("implementation = {{ asm = \"promises.asm\" }}\n{verify}");
         run_composite(&[component("Guard", &rest)], &UNTIL)
     };
     let (code, out, err) = guarded("");
     assert_eq!(code, 0, "{out}{err}");
-    let warning = err.find("W031").expect("the warning");
+    let warning = err.find("C201").expect("the warning");
     assert!(
-        err.contains("2 temporal properties, which runs do not check"),
+        err.contains("1 temporal property, which a run cannot watch"),
         "{err}"
     );
+    // the others are watched
+    assert!(err.contains("step 1 violates CTLSPEC `ag(n = 0)`"), "{err}");
     assert!(
         err.find("n: 0 → 1").is_none_or(|step| warning < step),
         "{err}"
@@ -169,7 +172,7 @@ fn properties_that_are_not_verified_are_said_before_the_start() {
     let (code, out, err) = guarded("verify = { ctl = true, ltl = true, bound = 5 }");
     assert_eq!(code, 0, "{out}{err}");
     assert!(err.contains("of `Guard` is violated"), "{err}");
-    assert!(!err.contains("W031"), "{err}");
+    assert!(!err.contains("C201"), "{err}");
     let (code, out, err) =
         guarded("verify = { ctl = true, bound = 5, refuse_start_on_failure = true }");
     assert_eq!(code, 1, "{out}{err}");

@@ -1,6 +1,7 @@
 //! The safety part of a formula, in positive normal form.
 
 use crate::ctl::Ctl;
+use crate::formula::Formula;
 use crate::ltl::Ltl;
 use crate::monitor::{MAX_PENDING, Monitor, NotMonitorable};
 use crate::past::Conditions;
@@ -36,7 +37,7 @@ pub(crate) fn monitor(
         conditions: Conditions::default(),
         unwatched,
     };
-    let root = builder.node(formula, true);
+    let root = builder.node(&folded(formula), true);
     if builder.unwatched.contains(&NotMonitorable::TooLarge) {
         return Err(NotMonitorable::TooLarge);
     }
@@ -108,6 +109,65 @@ pub(crate) fn linear(
         Ctl::Ag(of) | Ctl::Eg(of) => Ltl::globally(same(of)),
         Ctl::Au(left, right) | Ctl::Eu(left, right) => Ltl::until(same(left), same(right)),
         Ctl::Aw(left, right) | Ctl::Ew(left, right) => Ltl::weak_until(same(left), same(right)),
+    }
+}
+
+/// Returns an equivalent formula in which a constant is an operand of Boolean operators at most where it matters.
+fn folded(formula: &Ltl) -> Ltl {
+    let formula = formula.with_operands(&mut |operand, _| folded(operand));
+    match &formula {
+        Ltl::Not(of) if **of == Ltl::True => Ltl::False,
+        Ltl::Not(of) if **of == Ltl::False => Ltl::True,
+        Ltl::And(parts) => folded_parts(parts, true),
+        Ltl::Or(parts) => folded_parts(parts, false),
+        Ltl::Implies(left, right) if **left == Ltl::False || **right == Ltl::True => Ltl::True,
+        Ltl::Implies(left, right) if **left == Ltl::True => (**right).clone(),
+        Ltl::Next(of)
+        | Ltl::Globally(of)
+        | Ltl::Finally(of)
+        | Ltl::Until(_, of)
+        | Ltl::Release(_, of)
+            if [Ltl::True, Ltl::False].contains(of) =>
+        {
+            (**of).clone()
+        }
+        Ltl::True
+        | Ltl::False
+        | Ltl::Atom(_)
+        | Ltl::Not(_)
+        | Ltl::Implies(..)
+        | Ltl::Iff(..)
+        | Ltl::Next(_)
+        | Ltl::Finally(_)
+        | Ltl::Globally(_)
+        | Ltl::Until(..)
+        | Ltl::Release(..)
+        | Ltl::WeakUntil(..)
+        | Ltl::Yesterday(_)
+        | Ltl::WeakYesterday(_)
+        | Ltl::Once(_)
+        | Ltl::Historically(_)
+        | Ltl::Since(..)
+        | Ltl::Triggered(..) => formula,
+    }
+}
+
+/// A conjunction if `is_all`, and otherwise a disjunction.
+fn folded_parts(parts: &[Ltl], is_all: bool) -> Ltl {
+    let (unit, zero) = if is_all {
+        (Ltl::True, Ltl::False)
+    } else {
+        (Ltl::False, Ltl::True)
+    };
+    if parts.contains(&zero) {
+        return zero;
+    }
+    let parts: Vec<Ltl> = parts.iter().filter(|it| **it != unit).cloned().collect();
+    match parts.as_slice() {
+        [] => unit,
+        [only] => only.clone(),
+        _ if is_all => Ltl::And(parts),
+        _ => Ltl::Or(parts),
     }
 }
 

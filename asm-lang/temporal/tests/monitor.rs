@@ -160,6 +160,10 @@ fn what_cannot_be_watched_has_a_reason() {
     assert_eq!(refused(&past), Some(NotMonitorable::PastOfFuture));
     let reset = Monitor::of_ctl(&Ctl::ag(Ctl::ef(Ctl::Atom(0)))).err();
     assert_eq!(reset, Some(NotMonitorable::Existence));
+    // an implication of something that is only possible says nothing about one run
+    let answered = Ctl::implies(Ctl::Atom(0), Ctl::ef(Ctl::Atom(1)));
+    let answered = Monitor::of_ctl(&Ctl::ag(answered)).err();
+    assert_eq!(answered, Some(NotMonitorable::Existence));
     let many = Ltl::And((0..13).map(|index| Ltl::globally(atom(index))).collect());
     assert_eq!(refused(&many), Some(NotMonitorable::TooLarge));
     let until = Ltl::globally(Ltl::implies(atom(0), Ltl::until(atom(1), atom(2))));

@@ -244,7 +244,8 @@ impl Monitors {
     pub fn after_step(&mut self, machine: &mut Machine, now_ns: i64) -> Vec<PropertyViolation> {
         self.mark_stale(machine);
         for condition in &mut self.conditions {
-            if condition.is_stale && !condition.reads_inputs {
+            let is_due = condition.is_stale || condition.is_volatile;
+            if is_due && !condition.reads_inputs {
                 let value = condition.evaluate(machine, &mut NoInputs, now_ns);
                 self.changes += condition.assign(value, self.changes);
             }

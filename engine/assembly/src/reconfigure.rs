@@ -335,20 +335,21 @@ impl Difference<'_> {
         }
     }
 
-    /// Returns the replacement of a coordinator whose specification or bindings differ.
+    /// Returns the replacement of a coordinator whose specification, bindings or watched properties differ.
     fn replacement(&self, before: &Component, after: &Component) -> Option<Change> {
         let file = specification(after)?;
         let (running, wanted) = self.versions;
         let name = &after.name;
         let has_same_text = running.texts.get(name) == wanted.texts.get(name);
-        if has_same_text && before.binding == after.binding {
+        let has_same_bindings = before.binding == after.binding;
+        if has_same_text && has_same_bindings && before.special.watch == after.special.watch {
             return None;
         }
         let (_, shown) = file.rsplit_once('/').unwrap_or(("", file));
-        let description = if has_same_text {
-            format!("`{shown}` with other bindings")
-        } else {
-            format!("another version of `{shown}`")
+        let description = match (has_same_text, has_same_bindings) {
+            (false, _) => format!("another version of `{shown}`"),
+            (true, false) => format!("`{shown}` with other bindings"),
+            (true, true) => format!("`{shown}` with another `watch`"),
         };
         Some(Change::Replace {
             component: name.clone(),
@@ -597,6 +598,7 @@ fn steady(component: &Component) -> Component {
         file.clear();
         *main = None;
         component.binding = None;
+        component.special.watch = None;
     }
     component.properties = PropertyValues::default();
     component.pace = asmotion_plan::Pace {

@@ -11,3 +11,4 @@ mod tca;
 #[path = "../../plan/tests/support/variables.rs"]
 mod variables;
 mod waiting;
+mod watching;

@@ -101,6 +101,7 @@ fn unwatched(model: Model, sources: &Sources) -> (Model, Report) {
     }
     let wholly = monitors.unwatched().iter();
     unwatched.extend(wholly.filter_map(|it| Some((it.at?, it.reason.clone()))));
+    unwatched.sort_by_key(|(at, _)| (at.file, at.start));
     let mut report = Report::new();
     if !unwatched.is_empty() {
         report.push(UnwatchedProperties { unwatched }.diagnostic());

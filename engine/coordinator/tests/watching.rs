@@ -109,7 +109,9 @@ impl Watched {
     fn violations(&self) -> Vec<(Time, ViolationRecord)> {
         let told = self.told.lock().unwrap();
         let found = told.iter().filter(|it| it.1 == VIOLATION_REPORT);
-        found.map(|(at, _, data)| (*at, data.to().unwrap())).collect()
+        found
+            .map(|(at, _, data)| (*at, data.to().unwrap()))
+            .collect()
     }
 
     fn records<T: serde::de::DeserializeOwned>(&self, kind: &str) -> Vec<T> {
@@ -217,13 +219,20 @@ fn a_violated_invariant_is_a_violation_and_the_safe_rule_prevents_the_failure() 
     let rover = drive(&Watch::default());
     let violations = rover.violations();
     let last = &violations.last().unwrap().1;
-    assert_eq!((last.kind.as_str(), last.reaction), ("invariant", ViolationReaction::Failed));
+    assert_eq!(
+        (last.kind.as_str(), last.reaction),
+        ("invariant", ViolationReaction::Failed)
+    );
     assert_eq!(last.name.as_deref(), Some("inv_few"));
     assert_eq!(rover.run.state("Rover").unwrap(), State::Exception);
     // the machine goes back from the state in which the invariant does not hold
     let rover = drive(&safe("par moving := false asked := false endpar"));
     let violations = rover.violations();
-    assert_eq!(violations[0].1.reaction, ViolationReaction::SafeRule, "{violations:?}");
+    assert_eq!(
+        violations[0].1.reaction,
+        ViolationReaction::SafeRule,
+        "{violations:?}"
+    );
     assert_eq!(rover.run.state("Rover").unwrap(), State::Running);
     // a safe rule that leaves it violated fails as the main rule does
     let rover = drive(&safe("par moving := true steps := 10 endpar"));
@@ -232,7 +241,10 @@ fn a_violated_invariant_is_a_violation_and_the_safe_rule_prevents_the_failure() 
 
 #[test]
 fn a_response_is_late_although_nothing_happens() {
-    let text = rover().replace("moving := drive and (not asked or estop)", "moving := false");
+    let text = rover().replace(
+        "moving := drive and (not asked or estop)",
+        "moving := false",
+    );
     let mut rover = Watched::new(&text, &safe("r_stop[]"), Activity::event());
     rover.run.run_for(10.ms());
     rover.send("drive", true);
@@ -246,7 +258,11 @@ fn a_response_is_late_although_nothing_happens() {
     assert_eq!(*at, Time::ZERO + 310.ms());
     assert_eq!(violation.late_after_s, Some(0.3));
     assert_eq!(violation.reaction, ViolationReaction::SafeRule);
-    assert!(violation.to_string().contains("has not happened within 0.3 s"));
+    assert!(
+        violation
+            .to_string()
+            .contains("has not happened within 0.3 s")
+    );
 }
 
 #[test]
@@ -278,9 +294,15 @@ fn a_property_of_the_composite_is_watched_and_one_that_cannot_be_is_refused() {
         error.unwrap()
     };
     let liveness = refused(&watch("ag(ef(moving))"));
-    assert!(matches!(liveness, BindError::InvalidProperty { .. }), "{liveness}");
+    assert!(
+        matches!(liveness, BindError::InvalidProperty { .. }),
+        "{liveness}"
+    );
     let unknown = refused(&watch("nowhere"));
-    assert!(matches!(unknown, BindError::InvalidProperty { .. }), "{unknown}");
+    assert!(
+        matches!(unknown, BindError::InvalidProperty { .. }),
+        "{unknown}"
+    );
     let rule = refused(&safe("r_nowhere[]"));
     assert!(matches!(rule, BindError::InvalidRule { .. }), "{rule}");
 }

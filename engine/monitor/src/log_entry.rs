@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use asmotion_component::{LOG_REPORT, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
-    BAD_REPLY_REPORT, LOSSES_REPORT, UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT,
-    ViolationRecord,
+    BAD_REPLY_REPORT, LOSSES_REPORT, UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
 };
 use asmotion_datum::{Datum, Sample};
 use asmotion_runtime::Event;

@@ -2,14 +2,17 @@
 
 use super::condition::WatchedCondition;
 use super::within::{self, WithinComment};
-use super::{GivenProperty, Monitors, ResponseWatch, UnwatchedProperty, PropertyWatch, WatchedProperty};
+use super::{
+    GivenProperty, Monitors, PropertyWatch, ResponseWatch, UnwatchedProperty, WatchedProperty,
+};
 use crate::codes::m003::NoTemporalFormula;
 use crate::formula::{Formula, Formulas, Logic};
 use crate::logic::{self, visit_conditions};
 use crate::preparation::{self, report_of, text_of};
 use crate::property::PropertyKind;
 use asmotion_diagnostics::{Finding, Sources, Span};
-use asmotion_lang::hir::{Expression, PropertyLogic};
+use asmotion_lang::hir::{Expression, PropertyLogic, TemporalProperty};
+use asmotion_lang::ir::AddedTerm;
 use asmotion_lang::{Report, Specification};
 use asmotion_temporal::{Ltl, Monitor, NotMonitorable, ResponseMonitor};
 use std::collections::BTreeSet;
@@ -50,7 +53,7 @@ impl Monitors {
         let mut monitors = Self::default();
         let mut within = annotations(specification);
         let declared = std::mem::take(&mut specification.model.properties);
-        let unwatched = unwatched_constraints(specification, &declared);
+        let checked = checked_by_machine(specification, &declared);
         let mut preparation = MonitorPreparation {
             formulas: Formulas {
                 model: &mut specification.model,
@@ -63,7 +66,7 @@ impl Monitors {
             candidates: Vec::new(),
         };
         for (index, property) in declared.iter().enumerate() {
-            if unwatched.contains(&index) {
+            if checked.contains(&index) {
                 continue;
             }
             if let Some(kind) = kind(property.logic)
@@ -82,16 +85,16 @@ impl Monitors {
             candidates,
             ..
         } = preparation;
-        let (terms, places) = (formulas.conditions, formulas.places);
+        let added: Vec<_> = formulas
+            .conditions
+            .into_iter()
+            .zip(formulas.places)
+            .collect();
         specification.model.properties = declared;
-        for (term, place) in terms.into_iter().zip(places) {
-            let model = &specification.model;
-            let body = model.added.terms.get(term.0 as usize);
-            let text = text_of(&specification.sources, place);
-            let root = body.map(|body| &body.root);
-            let condition = root.map(|root| WatchedCondition::new(model, term, root, text));
-            monitors.conditions.extend(condition);
-        }
+        let conditions = added.into_iter();
+        let conditions =
+            conditions.filter_map(|(term, place)| condition(specification, term, place));
+        monitors.conditions = conditions.collect();
         candidates.into_iter().for_each(|it| monitors.add(it));
         monitors.add_unused(specification, within);
         specification.lower()?;
@@ -146,6 +149,18 @@ impl Monitors {
     }
 }
 
+/// The condition that was added to a specification as a term, from this place.
+fn condition(
+    specification: &Specification,
+    term: AddedTerm,
+    place: Span,
+) -> Option<WatchedCondition> {
+    let model = &specification.model;
+    let body = model.added.terms.get(term.0 as usize)?;
+    let text = text_of(&specification.sources, place);
+    Some(WatchedCondition::new(model, term, &body.root, text))
+}
+
 /// The comments `//@Within` of the files with properties.
 fn annotations(specification: &Specification) -> Vec<WithinComment> {
     let properties = specification.model.properties.iter();
@@ -158,7 +173,7 @@ fn annotations(specification: &Specification) -> Vec<WithinComment> {
 /// Returns the time of the last comment between the property before and this one, which is taken away.
 fn take_within(
     within: &mut Vec<WithinComment>,
-    declared: &[asmotion_lang::hir::TemporalProperty],
+    declared: &[TemporalProperty],
     at: Span,
 ) -> Option<i64> {
     let is_before = |span: Span| span.file == at.file && span.start < at.start;
@@ -176,9 +191,9 @@ fn take_within(
 }
 
 /// Constraints that the machine checks.
-fn unwatched_constraints(
+fn checked_by_machine(
     specification: &Specification,
-    declared: &[asmotion_lang::hir::TemporalProperty],
+    declared: &[TemporalProperty],
 ) -> BTreeSet<usize> {
     let properties = declared.iter().enumerate();
     let checked = properties
@@ -210,25 +225,7 @@ fn watch(
     formula: &Formula,
     within_ns: Option<i64>,
 ) -> Result<(PropertyWatch, Vec<String>), String> {
-    let (safety, response) = match kind {
-        PropertyKind::Ctl => {
-            let formula = logic::ctl(formula).map_err(|error| error.0)?;
-            (Monitor::of_ctl(&formula), ResponseMonitor::of_ctl(&formula))
-        }
-        PropertyKind::Ltl => {
-            let formula = logic::ltl(formula).map_err(|error| error.0)?;
-            (Monitor::of_ltl(&formula), ResponseMonitor::of_ltl(&formula))
-        }
-        PropertyKind::Invariant
-        | PropertyKind::Constraint
-        | PropertyKind::Possible
-        | PropertyKind::NoFault
-        | PropertyKind::NotStuck
-        | PropertyKind::RulesRun => {
-            let formula = logic::ltl(formula).map_err(|error| error.0)?;
-            (Monitor::of_ltl(&Ltl::globally(formula)), None)
-        }
-    };
+    let (safety, response) = compiled(kind, formula)?;
     let response = within_ns.map(|within_ns| response.map(|it| (it, within_ns)));
     let response = match response {
         Some(None) => {
@@ -274,6 +271,22 @@ fn watch(
         violated_steps: 0,
     };
     Ok((watch, unwatched.iter().map(ToString::to_string).collect()))
+}
+
+/// The safety part of a formula, and its responses.
+type CompiledFormula = (Result<Monitor, NotMonitorable>, Option<ResponseMonitor>);
+
+fn compiled(kind: PropertyKind, formula: &Formula) -> Result<CompiledFormula, String> {
+    if kind == PropertyKind::Ctl {
+        let formula = logic::ctl(formula).map_err(|error| error.0)?;
+        return Ok((Monitor::of_ctl(&formula), ResponseMonitor::of_ctl(&formula)));
+    }
+    let formula = logic::ltl(formula).map_err(|error| error.0)?;
+    if kind == PropertyKind::Ltl {
+        return Ok((Monitor::of_ltl(&formula), ResponseMonitor::of_ltl(&formula)));
+    }
+    // a condition of every state
+    Ok((Monitor::of_ltl(&Ltl::globally(formula)), None))
 }
 
 struct MonitorPreparation<'a> {

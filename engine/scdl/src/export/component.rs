@@ -165,7 +165,7 @@ impl Exporter<'_> {
         let topics = first(&component.subscribe).or_else(|| first(&component.publish));
         let monitored = component.bind.monitored.first().map(|it| it.location.span);
         let out = component.bind.out.first().map(|it| it.location.span);
-        let rows: [(&str, Option<Span>); 12] = [
+        let rows: [(&str, Option<Span>); 13] = [
             ("the scheduling", scheduled.map(|pace| pace.span)),
             (
                 "the life cycle",
@@ -178,6 +178,10 @@ impl Exporter<'_> {
             (
                 "the verification",
                 component.special.verify.as_ref().map(|_| name.span),
+            ),
+            (
+                "the watched properties",
+                component.special.watch.as_ref().map(|_| name.span),
             ),
             (
                 "the map",

@@ -187,7 +187,8 @@ impl Observation {
                     return (of == component).then(|| ObservedValue::Number(f64::from(*count)));
                 }
                 // the number is known as soon as the component is there
-                let is_there = matches!(event, Event::LifeCycle { component: of, .. } if of == component);
+                let is_there =
+                    matches!(event, Event::LifeCycle { component: of, .. } if of == component);
                 is_there.then(|| ObservedValue::Number(f64::from(*count)))
             }
             Self::LifeCycle { component } => {
