@@ -136,6 +136,16 @@ static inline size_t asmotion_element_size(uint64_t tag) {
     }
 }
 
+/**
+ * Returns whether the content of a tag has another meaning without it: large integers, fractions, arrays of several dimensions,
+ * and typed arrays of other byte orders and widths.
+ */
+static inline bool asmotion__is_refused(uint64_t tag) {
+    bool is_typed_array = tag >= 64 && tag <= 87;
+    bool is_number = (tag >= 2 && tag <= 5) || tag == 30;
+    return is_number || tag == 40 || tag == 1040 || (is_typed_array && asmotion_element_size(tag) == 0);
+}
+
 static inline bool asmotion__is_utf8(const uint8_t *at, size_t size) {
     const uint8_t *end = at + size;
     while (at < end) {
@@ -214,12 +224,16 @@ static inline const uint8_t *asmotion__behind(const asmotion_document *in, const
     }
     case 6: {
         size_t size = asmotion_element_size(head.argument);
-        if (is_open) return NULL;
+        if (is_open || asmotion__is_refused(head.argument)) return NULL;
         if (head.argument == ASMOTION_SHARED_TAG) {
             return asmotion__shared(in, head.content, &bytes, &behind) ? behind : NULL;
         }
         if (size > 0) {
-            return asmotion__string(in, head.content, &bytes, &behind) && bytes.size % size == 0 ? behind : NULL;
+            if (!asmotion__string(in, head.content, &bytes, &behind) || bytes.size % size != 0) return NULL;
+            for (size_t last = 7; head.argument == ASMOTION_U64 && last < bytes.size; last += 8) {
+                if (bytes.data[last] > 0x7F) return NULL;
+            }
+            return behind;
         }
         return asmotion__behind(in, head.content, depth - 1);
     }
@@ -231,8 +245,8 @@ static inline const uint8_t *asmotion__behind(const asmotion_document *in, const
 
 /**
  * Checks that the bytes of a document are exactly one item. All other functions expect a document that has been checked.
- * Integers of more than 64 bits with sign, texts and byte strings in pieces, and big-endian numbers are refused: the engine
- * does not send them.
+ * Integers of more than 64 bits with sign, texts and byte strings in pieces, and typed arrays of other byte orders and widths
+ * are refused: the engine does not send them.
  */
 static inline bool asmotion_check(const asmotion_document *document) {
     return asmotion__behind(document, document->begin, ASMOTION_DEPTH) == document->end;

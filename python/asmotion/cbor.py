@@ -46,6 +46,13 @@ _NATIVE_TAGS = _LITTLE_TAGS if sys.byteorder == "little" else {**_LITTLE_TAGS, *
 _ELEMENTS = {tag: (element, "little") for element, tag in _LITTLE_TAGS.items()}
 _ELEMENTS.update({tag: (element, "big") for element, tag in _BIG_TAGS.items()})
 _ELEMENTS[68] = (("u", 1), "little")  # clamped arithmetic
+_HALVES = {80: ">", 84: "<"}
+"""Tags of typed arrays of half precision, for which no format of `memoryview` exists in all versions."""
+_REFUSED = {
+    4: "a decimal fraction", 5: "a big float", 30: "a rational number", 40: "an array of several dimensions",
+    76: "a reserved tag", 83: "128-bit floats", 87: "128-bit floats", 1040: "an array of several dimensions",
+}  # fmt: skip
+"""Tags whose content would have another meaning without them."""
 
 
 _SIMPLE = {None: 0xF6, True: 0xF5, False: 0xF4}
@@ -147,8 +154,8 @@ class _Writer:
             self.other(value, depth)
 
     def whole(self, value: int) -> None:
-        if not -(1 << 64) <= value < 1 << 64:
-            raise CborError(f"{value} has more than 64 bits")
+        if not -(1 << 63) <= value < 1 << 63:
+            raise CborError(f"the integer {value} does not fit into 64 signed bits")
         if value >= 0:
             self.head(0, value)
         else:
@@ -365,12 +372,33 @@ class _Reader:
         self.at = before
         return None
 
+    def large_integer(self, tag: int, depth: int) -> int:
+        content = self.read(depth - 1)
+        if not isinstance(content, NumberView):
+            raise CborError(f"the tag {tag}, a large integer, needs a byte string")
+        value = int.from_bytes(content.memory, "big")
+        return value if tag == 2 else -1 - value
+
+    def halves(self, order: str, content: memoryview) -> NumberView:
+        if len(content) % 2:
+            raise CborError(f"a typed array of {len(content)} bytes has elements of 2 bytes")
+        values = array("f", struct.unpack(f"{order}{len(content) // 2}e", content))
+        return NumberView(memoryview(values))
+
     def tagged(self, tag: int, depth: int) -> Any:
         if tag == SHARED_TAG and self.shared is not None:
             return NumberView(self.fetched(self.shared, depth))
-        content = self.content(depth) if tag in _ELEMENTS else None
-        if content is None:
+        if tag in _REFUSED:
+            raise CborError(f"the tag {tag}, {_REFUSED[tag]}, is not supported")
+        if tag in (2, 3):
+            return self.large_integer(tag, depth)
+        if tag not in _ELEMENTS and tag not in _HALVES:
             return self.read(depth - 1)
+        content = self.content(depth)
+        if content is None:
+            raise CborError(f"the tag {tag}, a typed array, needs a byte string")
+        if tag in _HALVES:
+            return self.halves(_HALVES[tag], content)
         (element, order) = _ELEMENTS[tag]
         if len(content) % element[1]:
             raise CborError(f"a typed array of {len(content)} bytes has elements of {element[1]} bytes")

@@ -101,6 +101,27 @@ class Encoding(unittest.TestCase):
         with self.assertRaisesRegex(cbor.CborError, "7 bytes"):
             cbor.loads(b"\xd8\x55\x47" + bytes(7))
 
+    def test_typed_arrays_of_half_precision_are_read(self):
+        self.assertEqual(cbor.loads(b"\xd8\x54\x46" + struct.pack("<3e", 1.5, -2, float("inf"))), [1.5, -2, float("inf")])
+        self.assertEqual(cbor.loads(b"\xd8\x50\x44" + struct.pack(">2e", 1.5, -2)), [1.5, -2])
+
+    def test_tags_that_change_their_content_are_read_or_refused(self):
+        self.assertEqual(cbor.loads(b"\xc2\x42\x01\xf4"), 500)
+        self.assertEqual(cbor.loads(b"\xc3\x42\x01\xf4"), -501)
+        self.assertEqual(cbor.loads(b"\xc0\x64date"), "date")
+        for tag in (76, 83, 87):
+            with self.assertRaisesRegex(cbor.CborError, f"tag {tag}"):
+                cbor.loads(bytes([0xD8, tag, 0x50]) + bytes(16))
+        with self.assertRaisesRegex(cbor.CborError, "tag 82"):
+            cbor.loads(b"\xd8\x52\x81\x01")
+        with self.assertRaisesRegex(cbor.CborError, "tag 40"):
+            cbor.loads(b"\xd8\x28\x82\x82\x01\x02\x42\x01\x02")
+
+    def test_an_integer_that_the_engine_cannot_represent_is_refused_with_its_place(self):
+        for value in (1 << 63, -(1 << 63) - 1):
+            with self.assertRaisesRegex(cbor.CborError, r"at \.stamp: the integer -?\d+ does not fit"):
+                cbor.dumps({"stamp": value})
+
     def test_a_value_without_a_form_is_named_with_its_place(self):
         with self.assertRaisesRegex(cbor.CborError, r"at \.a\[1\]: a value of the type object has no form"):
             cbor.dumps({"a": [1, object()]})

@@ -3,7 +3,7 @@
 use serde::de::{self, DeserializeOwned, Unexpected};
 
 use crate::error::DatumError;
-use crate::numbers::{Numbers, Packed};
+use crate::numbers::Numbers;
 use crate::schema::{Schema, Shape};
 use crate::value::Datum;
 
@@ -263,8 +263,9 @@ macro_rules! packed {
             fn read_many(datum: &Datum) -> Result<Vec<Self>, DatumError> {
                 match datum {
                     Datum::Numbers(Numbers::$shape(numbers)) => Ok(numbers.to_vec()),
-                    Datum::Bytes(bytes) => Self::unpack(bytes).ok_or_else(|| undivided::<Self>(bytes)),
-                    Datum::Numbers(_)
+                    // a byte string is a list of unsigned bytes, whatever the elements of the field
+                    Datum::Bytes(_)
+                    | Datum::Numbers(_)
                     | Datum::List(_)
                     | Datum::Null
                     | Datum::Bool(_)
@@ -287,12 +288,6 @@ packed! {
     i64 => I64, 0;
     f32 => F32, 0.0;
     f64 => F64, 0.0;
-}
-
-/// The error for bytes that are not a whole number of elements.
-fn undivided<T: Described>(bytes: &[u8]) -> DatumError {
-    let (count, element) = (bytes.len(), T::describe());
-    de::Error::custom(format_args!("{count} bytes do not divide into {element}"))
 }
 
 /// A single byte; a list of them is a byte string.

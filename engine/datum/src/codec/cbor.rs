@@ -3,7 +3,10 @@
 //! Encoding is deterministic: equal datums give equal bytes (definite lengths, shortest integers, 64-bit floats,
 //! entries in their own order), so the encoded form can be hashed.
 
+mod tag;
+
 use std::borrow::Cow;
+use std::fmt::Display;
 use std::sync::Arc;
 
 use cbor4ii::core::dec::{self, Decode, Read};
@@ -15,7 +18,6 @@ use serde::de::DeserializeOwned;
 
 use super::DEPTH;
 use crate::error::{DatumError, DatumProblem};
-use crate::numbers::Numbers;
 use crate::value::{Datum, FieldName};
 
 /// Tag of a reference to shared memory: `[offset, length]` in place of a byte string.
@@ -94,6 +96,19 @@ fn malformed(reason: impl ToString) -> DatumError {
     })
 }
 
+/// Adds the place to an error, unless it has too many.
+fn placed(error: DatumError, segment: impl Display) -> DatumError {
+    match error.problem {
+        DatumProblem::TooDeep(_) => error,
+        DatumProblem::Mismatch(_)
+        | DatumProblem::Implausible(_)
+        | DatumProblem::IntegerTooBig(_)
+        | DatumProblem::KeyNotText
+        | DatumProblem::Malformed { .. }
+        | DatumProblem::Uncarried { .. } => error.within(segment),
+    }
+}
+
 type EncodeResult<W> = Result<(), enc::Error<<W as enc::Write>::Error>>;
 
 fn write<W: enc::Write>(
@@ -153,7 +168,11 @@ fn read(
     };
     let first = peek(reader)?;
     match dec::if_major(first) {
-        major::UNSIGNED | major::NEGATIVE => i64::decode(reader).map(Datum::Int).map_err(malformed),
+        major::UNSIGNED => tag::unsigned(u64::decode(reader).map_err(malformed)?),
+        major::NEGATIVE => {
+            let types::Negative(n) = types::Negative::<u64>::decode(reader).map_err(malformed)?;
+            tag::negative(n)
+        }
         major::BYTES => Ok(Datum::Bytes(bytes(reader)?.as_ref().into())),
         major::STRING => text(reader).map(|text| Datum::Text(text.into_owned())),
         major::ARRAY => list(reader, depth, apart),
@@ -207,7 +226,8 @@ fn list(
     let announced = types::Array::len(reader).map_err(malformed)?;
     let mut elements = Vec::new();
     each(reader, announced, |reader| {
-        elements.push(read(reader, depth, apart)?);
+        let element = read(reader, depth, apart);
+        elements.push(element.map_err(|error| placed(error, elements.len()))?);
         Ok(())
     })?;
     Ok(Datum::List(elements))
@@ -225,14 +245,15 @@ fn record(
             return Err(DatumError::new(DatumProblem::KeyNotText));
         }
         let name = text(reader)?.into_owned();
-        entries.push((name.into(), read(reader, depth, apart)?));
+        let value = read(reader, depth, apart).map_err(|error| placed(error, &name))?;
+        entries.push((name.into(), value));
         Ok(())
     })?;
     Ok(Datum::Record(entries))
 }
 
-/// Reads a tagged item: a typed array (RFC 8746) becomes packed numbers; any other tag is ignored and its content is
-/// used.
+/// Reads a tagged item: a typed array (RFC 8746) becomes packed numbers. A tag that leaves the meaning of its content as it is,
+/// such as that of a date, is ignored.
 fn tagged(
     reader: &mut SliceReader<'_>,
     depth: usize,
@@ -245,12 +266,7 @@ fn tagged(
     {
         return fetched(&content, fetch);
     }
-    if let Datum::Bytes(bytes) = &content
-        && let Some(numbers) = Numbers::from_tagged(tag, bytes)
-    {
-        return Ok(Datum::Numbers(numbers));
-    }
-    Ok(content)
+    tag::interpreted(tag, &content).unwrap_or(Ok(content))
 }
 
 /// Fetches a byte string by its reference.
@@ -274,6 +290,9 @@ fn simple(reader: &mut SliceReader<'_>, first: u8) -> Result<Datum, DatumError> 
             reader.advance(1);
             Ok(Datum::Null)
         }
+        marker::F16 => types::F16::decode(reader)
+            .map(|types::F16(bits)| Datum::Float(tag::half(bits).into()))
+            .map_err(malformed),
         marker::F32 => f32::decode(reader)
             .map(|value| Datum::Float(value.into()))
             .map_err(malformed),

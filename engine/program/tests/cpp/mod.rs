@@ -338,10 +338,9 @@ fn cbor_in_c_is_that_of_the_standard() {
             assert_ne!(written, "refused", "{hex}: {wanted}");
             let again = decode(written).unwrap();
             assert_eq!(again.to_string(), wanted, "{hex} → {written}");
-            // the engine reads no half-precision floats, and references to shared memory only where it has given some
-            if let Ok(original) = decode(hex)
-                && !hex.contains(SHARED)
-            {
+            // the engine reads references to shared memory only where it has given some
+            if !hex.contains(SHARED) {
+                let original = decode(hex).unwrap();
                 assert_eq!(format!("{original:?}"), format!("{again:?}"), "{hex}");
             }
         }
