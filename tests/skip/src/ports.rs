@@ -27,7 +27,9 @@ pub fn free_ports<const COUNT: usize>() -> io::Result<[u16; COUNT]> {
     let ports = ports
         .map(|address| Ok(address?.port()))
         .collect::<io::Result<Vec<u16>>>()?;
-    ports.try_into().map_err(|_| io::ErrorKind::AddrInUse.into())
+    ports
+        .try_into()
+        .map_err(|_| io::ErrorKind::AddrInUse.into())
 }
 
 /// The first port that the system gives to sockets that ask for any.
