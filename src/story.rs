@@ -11,6 +11,8 @@ mod repeats;
 mod robot;
 mod step;
 mod summary;
+#[cfg(test)]
+mod tests;
 
 pub use driven_path::DrivenPath;
 pub use robot::{RobotSummary, Robots};
@@ -48,6 +50,9 @@ pub struct Story {
     /// The newest call of each component that the summary counts. Numbers of calls ascend, so that an older one is a call that
     /// goes to another binding of its reference, or that is made again.
     last_calls: BTreeMap<String, CallId>,
+    /// The newest attempt of each open call that was made again. Each attempt is reported once, whatever number of bindings it
+    /// takes.
+    attempts: BTreeMap<(String, CallId), u32>,
 }
 
 /// An entry of the story.
@@ -156,19 +161,25 @@ impl Story {
                 attempt,
                 argument,
             } => {
-                if self.is_new_call(component, *call) {
+                let is_new = self.is_new_call(component, *call);
+                if is_new {
                     self.summary
                         .calls
                         .count(&format!("{reference}.{operation}"));
                 }
-                Some(call_entry(reference, operation, *attempt, *argument))
+                (is_new || self.is_new_attempt(component, *call, *attempt))
+                    .then(|| call_entry(reference, operation, *attempt, *argument))
             }
             Event::Replied {
+                component,
                 reference,
                 operation,
+                call,
                 result,
-                ..
-            } => Some(self.reply_entry(reference, operation, *result)),
+            } => {
+                self.attempts.remove(&((*component).to_owned(), *call));
+                Some(self.reply_entry(reference, operation, *result))
+            }
             Event::Report {
                 component,
                 kind,
@@ -279,6 +290,7 @@ impl Story {
             ADDITION_REPORT => {
                 // the calls of a component that was removed and added again are numbered anew
                 self.last_calls.remove(component);
+                self.attempts.retain(|(caller, _), _| caller != component);
                 let what = format!("{component}: {}", what.as_text().unwrap_or_default());
                 Some(warning_entry(NOTE, "added", what))
             }
@@ -312,6 +324,15 @@ impl Story {
             "collision",
             message::one_line(&event.detail),
         ))
+    }
+
+    /// Returns whether a call is made again, and this attempt has not been reported before.
+    fn is_new_attempt(&mut self, component: &str, call: CallId, attempt: u32) -> bool {
+        let known = self.attempts.entry((component.to_owned(), call));
+        let known = known.or_insert(1);
+        let is_new = attempt > *known;
+        *known = attempt.max(*known);
+        is_new
     }
 
     /// Returns whether a call has not been reported before: it is reported for each binding and each attempt.

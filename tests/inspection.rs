@@ -216,7 +216,7 @@ fn t15_j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
     let mut watch = driver.watch("odom").unwrap();
     for _ in 0..3 {
         let odom = watch.next_within(Duration::from_secs(10));
-        let odom = odom.unwrap().unwrap();
+        let odom = odom.unwrap().content.unwrap();
         assert!(odom.get("pose.pose.position.x").is_some(), "{odom}");
     }
     // the supervisor's components have an `id`

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use asmotion_ros_domain::domain;
+use asmotion_ros_master::Master;
 use asmotion_skip::PYTHON;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::processes::{run_any, through, tool};
 
@@ -142,6 +144,237 @@ policy = {{ type = "buffer", size = 100, max_age_ms = 500, on_stale = "no_data" 
     let reasons = read.iter().filter(|line| line["type"] == "dropped");
     let mut reasons = reasons.filter_map(|line| line["reason"].as_str());
     assert!(reasons.any(|reason| reason.contains("the limit is 500ms")));
+}
+
+/// A specification that reads numbers, at most half a second old, from a component of the composite.
+struct Fed {
+    run: Killed,
+    lines: std::io::Lines<BufReader<std::process::ChildStdout>>,
+    read: Vec<Value>,
+}
+
+impl Fed {
+    /// Starts a composite with these tables and the component `Source`, whose output `command` the specification reads.
+    fn start(folder: &Path, source: &str, change: impl FnOnce(&mut Command)) -> Self {
+        let composite = format!(
+            r#"schema = "composite/1"
+[composite]
+name = "fed"
+{source}
+[components.Driver]
+implementation = {{ asm = "driver.asm" }}
+activity = {{ period_ms = 0 }}
+ports.in = {{ command = "std_msgs/Int32" }}
+[components.Driver.bind.monitored]
+command = {{ topic = "command", receive = "all", field = "data", none = 0 }}
+lost    = {{ lost = "command" }}
+[[connections]]
+from = "Source.command"
+to = "Driver.command"
+policy = {{ type = "buffer", size = 100, max_age_ms = 500, on_stale = "no_data" }}
+"#
+        );
+        let composite = write(folder, "driver", DRIVER, &composite);
+        let mut command = run_any(&composite);
+        command.args(["--clock", "wall"]).stderr(Stdio::null());
+        change(&mut command);
+        let mut run = Killed(command.spawn().unwrap());
+        let lines = BufReader::new(run.0.stdout.take().unwrap()).lines();
+        let read = Vec::new();
+        Self { run, lines, read }
+    }
+
+    /// Reads until there is a number that is at least this one. Returns all numbers so far.
+    fn until(&mut self, number: u64) -> Vec<u64> {
+        let begun = Instant::now();
+        loop {
+            let numbers = updates(&self.read, "number");
+            if numbers.last().is_some_and(|last| *last >= number) {
+                return numbers;
+            }
+            assert!(begun.elapsed() < LONG, "{numbers:?}");
+            let line = self.lines.next().unwrap().unwrap();
+            self.read.push(serde_json::from_str(&line).unwrap());
+        }
+    }
+
+    /// The number of messages that the specification knows to be lost.
+    fn missed(&self) -> u64 {
+        updates(&self.read, "missed").last().copied().unwrap_or(0)
+    }
+
+    fn signal(&self, signal: &str) {
+        let pid = self.run.0.id().to_string();
+        let status = Command::new("kill").args([signal, &pid]).status();
+        assert!(status.unwrap().success());
+    }
+}
+
+/// Sends numbers to a process that is stopped in between, and checks that it uses only those that are new when it goes on.
+fn assert_nothing_old(fed: &mut Fed, mut send: impl FnMut(u64)) {
+    for number in 1..=3 {
+        send(number);
+        assert_eq!(fed.until(number).last(), Some(&number));
+    }
+    fed.signal("-STOP");
+    std::thread::sleep(Duration::from_millis(500));
+    for number in 4..=8 {
+        send(number);
+    }
+    std::thread::sleep(Duration::from_secs(3));
+    fed.signal("-CONT");
+    // what waited is there at once, and this is sent later
+    std::thread::sleep(Duration::from_millis(500));
+    send(9);
+    assert_eq!(fed.until(9), [1, 2, 3, 9]);
+    send(10);
+    fed.until(10);
+    assert_eq!(fed.missed(), 5);
+}
+
+#[test]
+fn what_waited_at_a_bridge_to_ros_1_during_a_standstill_is_discarded_and_counted() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let source = r#"[bridges.ros]
+kind = "ros1"
+master = "${ROS_MASTER_URI}"
+[components.Source]
+implementation = { builtin = "ros-bridge", bridge = "ros" }
+activity = { period_ms = 0 }
+ports.out = { command = "std_msgs/Int32" }
+map = [{ from = "command", ros = "/command", type = "std_msgs/Int32", direction = "from_ros" }]"#;
+    let folder = tempfile::tempdir().unwrap();
+    let mut fed = Fed::start(folder.path(), source, |command| {
+        command.env("ROS_MASTER_URI", master.uri());
+    });
+    let mut operator = master.rospy("/operator");
+    let (topic, kind) = ("/command", "std_msgs/Int32");
+    operator.advertise(topic, kind, 1);
+    assert_nothing_old(&mut fed, |number| {
+        operator.publish(topic, kind, json!({ "data": number }));
+    });
+}
+
+/// RustDDS ends its threads when a wait of theirs is interrupted.
+#[test]
+fn a_bridge_to_ros_2_says_that_its_node_was_stopped() {
+    let source = r#"[bridges.ros]
+kind = "ros2"
+[components.Source]
+implementation = { builtin = "ros-bridge", bridge = "ros" }
+activity = { period_ms = 0 }
+ports.out = { command = "std_msgs/Int32" }
+map = [{ from = "command", ros = "/command", type = "std_msgs/Int32", direction = "from_ros" }]"#;
+    let folder = tempfile::tempdir().unwrap();
+    let mut fed = Fed::start(folder.path(), source, |command| {
+        command
+            .env("ROS_DOMAIN_ID", domain().to_string())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env_remove("ROS_LOCALHOST_ONLY");
+    });
+    let notice = |text: &str, lines: &mut std::io::Lines<BufReader<std::process::ChildStdout>>| {
+        let is_notice = |line: String| {
+            let line: Value = serde_json::from_str(&line).unwrap();
+            line["type"] == "notice" && line["text"].as_str().unwrap().contains(text)
+        };
+        assert!(lines.any(|line| is_notice(line.unwrap())), "{text}");
+    };
+    notice("joined the ROS 2 domain", &mut fed.lines);
+    std::thread::sleep(Duration::from_secs(1));
+    fed.signal("-STOP");
+    std::thread::sleep(Duration::from_secs(1));
+    fed.signal("-CONT");
+    notice("configure the component again", &mut fed.lines);
+}
+
+#[test]
+fn what_a_program_kept_for_a_process_that_stood_still_is_discarded_and_counted() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        PYTHON.skip();
+        return;
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let script = root.join("tests/standstills/feeder.py");
+    let source = format!(
+        "[components.Source]
+implementation = {{ process = [\"python3\", {script:?}] }}
+activity = {{ period_ms = 0 }}
+ports.out = {{ command = \"std_msgs/Int32\" }}"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let mut fed = Fed::start(folder.path(), &source, |command| {
+        command.env("PYTHONPATH", root.join("python"));
+        command.env("PYTHONDONTWRITEBYTECODE", "1");
+    });
+    let before = *fed.until(10).last().unwrap();
+    fed.signal("-STOP");
+    std::thread::sleep(Duration::from_secs(3));
+    fed.signal("-CONT");
+    let numbers = fed.until(before + 60);
+    let gap = |pair: &[u64]| pair[1] - pair[0] - 1;
+    // a number each 100 ms: those of three seconds
+    let missing = numbers.windows(2).map(gap).max().unwrap();
+    assert!((20..=45).contains(&missing), "{numbers:?}");
+    assert_eq!(fed.missed(), numbers.windows(2).map(gap).sum::<u64>());
+}
+
+/// What nobody read is not shown as new, and what is missing is said.
+#[test]
+fn an_echo_whose_output_nobody_reads_shows_the_age_of_what_waited() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let (vhost, folder) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+    let composite = r#"schema = "composite/1"
+[composite]
+name = "talkative"
+[components.Chatter]
+implementation = { asm = "chatter.asm" }
+activity = { period_ms = 20 }
+publish = { about = "std_msgs/String" }
+[components.Chatter.bind.out]
+said = { topic = "about", publish = "every_step" }
+"#;
+    let specification = CHATTER
+        .replace("TEXT", &"many words ".repeat(2000))
+        .replace("controlled about", "out said")
+        .replace("function about", "function said")
+        .replace("about :=", "said :=");
+    let composite = write(folder.path(), "chatter", &specification, composite);
+    let mut command = through(run_any(&composite), &broker, &vhost, None);
+    let run = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    let _run = Killed(run.unwrap());
+    let url = format!(
+        "amqp://{}@{}/{}",
+        broker.user(),
+        broker.address(),
+        vhost.name()
+    );
+    let mut echo = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let echo = echo
+        .args(["topic", "echo", "talkative.about"])
+        .env("ASMOTION_BUS", url)
+        .env("ASMOTION_PASSWORD", broker.password())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null());
+    let mut echo = Killed(echo.spawn().unwrap());
+    let mut lines = BufReader::new(echo.0.stdout.take().unwrap()).lines();
+    let mut age = || {
+        let line: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
+        line["age_s"].as_f64()
+    };
+    // the first message is new, and the pipe has room for three
+    assert_eq!(age(), None);
+    std::thread::sleep(Duration::from_secs(4));
+    let ages: Vec<f64> = (0..100).filter_map(|_| age()).collect();
+    let oldest = ages.iter().copied().fold(0.0, f64::max);
+    assert!((2.0..10.0).contains(&oldest), "{ages:?}");
+    let begun = Instant::now();
+    while age().is_some() {
+        assert!(begun.elapsed() < LONG);
+    }
 }
 
 #[test]

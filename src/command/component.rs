@@ -1,8 +1,10 @@
 //! `asmotion component`: lists, inspects and controls live components.
 
 mod properties;
+mod types;
 
 use self::properties::PropertiesCommand;
+use self::types::DeclaredTypes;
 use super::run::property_value;
 use crate::broker::BrokerArguments;
 use crate::build::Build;
@@ -12,7 +14,7 @@ use crate::table;
 use crate::terminal::{NAME, TerminalOutput};
 use asmotion_component::Transition;
 use asmotion_datum::Datum;
-use asmotion_remote::{PresentComponent, PresentEndpoint, Remote};
+use asmotion_remote::{PresentComponent, PresentEndpoint, Remote, RemoteComponent};
 use clap::{Args, Subcommand};
 use std::error::Error;
 
@@ -186,17 +188,8 @@ fn offers(remote: &Remote, interface: &str, terminal: &mut TerminalOutput) -> Ex
     Exit::Ok
 }
 
-/// Types of an operation, after its name; empty if neither has a name, as for most services of specifications.
-fn operation_types(request: &str, response: &str) -> String {
-    let shown = |name: &str| if name.is_empty() { "-" } else { name }.to_owned();
-    match (request, response) {
-        ("", "") => String::new(),
-        (request, response) => format!(": {} -> {}", shown(request), shown(response)),
-    }
-}
-
 pub(super) fn show(
-    remote_component: &asmotion_remote::RemoteComponent,
+    remote_component: &RemoteComponent,
     component: &PresentComponent,
     terminal: &mut TerminalOutput,
 ) {
@@ -230,9 +223,11 @@ pub(super) fn show(
             component.dropped, component.misfits
         ));
     }
+    let types = DeclaredTypes::of(remote_component, component);
     let mut typed = |what: &str, all: &[PresentEndpoint]| {
-        for PresentEndpoint { name, kind, lost } in all {
-            let lost = match lost {
+        for port in all {
+            let (name, kind) = (&port.name, types.port(port));
+            let lost = match port.lost {
                 0 => String::new(),
                 count => format!(", {count} messages lost"),
             };
@@ -254,7 +249,7 @@ pub(super) fn show(
                 component.name,
                 service.name,
                 operation.name,
-                operation_types(&operation.request, &operation.response)
+                types.operation(&service.name, operation)
             ));
         }
     }

@@ -12,6 +12,10 @@ use crate::terminal::TerminalOutput;
 use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_remote::Remote;
 use clap::{Args, Subcommand};
+use std::time::Duration;
+
+/// Age from which a message is shown with its age: it waited, for example because nobody read the output.
+pub(super) const OLD: Duration = Duration::from_secs(1);
 
 /// Lists, shows and publishes messages of topics on a broker.
 #[derive(Args)]

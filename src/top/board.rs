@@ -80,8 +80,9 @@ pub enum Silence {
 }
 
 impl Board {
-    /// Processes a message.
+    /// Processes a message that is read now. It may be older: where the terminal takes no output, messages wait.
     pub fn receive(&mut self, envelope: &Envelope, now: Duration) {
+        let now = now.saturating_sub(envelope.age);
         if is_presence(&envelope.topic) {
             // other programs can publish on the same exchange
             if let Some(presence) = RobotPresence::of(envelope) {

@@ -309,3 +309,20 @@ fn the_result_remains_after_the_end_of_a_run() {
         "{shown}"
     );
 }
+
+#[test]
+fn a_message_that_waited_for_a_stopped_terminal_is_shown_as_old() {
+    let mut board = board();
+    let mut late = envelope("youbot.twist", "geometry_msgs/Twist", Datum::Int(1));
+    late.age = Duration::from_secs(5);
+    board.receive(&late, at(10.0));
+    let leaves = board.topics().find(|it| it.name == "youbot.twist").unwrap();
+    assert_eq!(leaves.age(at(10.0)), Duration::from_secs(5));
+    assert!(leaves.is_stale(at(10.0)));
+    // a process that sent its presence before the standstill, and nothing since
+    let mut old = presence("robot", vec![component("Driver", "Running", 100, 10.0, 0)]);
+    old.age = Duration::from_secs(4);
+    board.receive(&old, at(10.0));
+    let shown = screen(&board, &View::default(), 10.0, (100, 24));
+    assert!(shown.contains("stale 4"), "{shown}");
+}

@@ -8,7 +8,7 @@ use crate::codes::w025::IntegerForNatural;
 use crate::declare::SignatureTables;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::types::{Type, TypeId};
-use asmotion_diagnostics::{Finding, Span, similar};
+use asmotion_diagnostics::{Diagnostic, Finding, Span, similar};
 use asmotion_syntax::ast;
 use asmotion_value::Value;
 use std::sync::Arc;
@@ -24,8 +24,21 @@ pub(crate) struct Resolver<'a> {
     location_parameters: usize,
     /// Result type of the turbo rule that is being resolved.
     pub result: Option<TypeId>,
+    /// Findings that are consequences if a part of the body could not be parsed.
+    doubtful: Vec<Diagnostic>,
+    is_incomplete: bool,
     /// `true` for a rule from outside, which may update monitored functions.
     from_outside: bool,
+}
+
+/// Reports the findings that depend on the whole body.
+impl Drop for Resolver<'_> {
+    fn drop(&mut self) {
+        if !self.is_incomplete {
+            let doubtful = std::mem::take(&mut self.doubtful);
+            self.declared.report.diagnostics.extend(doubtful);
+        }
+    }
 }
 
 impl<'a> Resolver<'a> {
@@ -37,6 +50,8 @@ impl<'a> Resolver<'a> {
             visible: Vec::new(),
             location_parameters: 0,
             result: None,
+            doubtful: Vec::new(),
+            is_incomplete: false,
             from_outside: false,
         }
     }
@@ -65,10 +80,10 @@ impl<'a> Resolver<'a> {
         (id.0 as usize) < self.location_parameters
     }
 
-    pub fn body<T>(self, parameters: usize, root: T) -> Body<T> {
+    pub fn body<T>(mut self, parameters: usize, root: T) -> Body<T> {
         Body {
             parameters,
-            variables: self.variables,
+            variables: std::mem::take(&mut self.variables),
             root,
         }
     }
@@ -122,6 +137,17 @@ impl<'a> Resolver<'a> {
 
     pub fn show(&self, ty: TypeId) -> String {
         self.declared.types.show(ty, &self.declared.domains)
+    }
+
+    /// Notes that a part of the body could not be parsed.
+    pub fn mark_incomplete(&mut self) {
+        self.is_incomplete = true;
+    }
+
+    /// Reports an error unless a part of the body could not be parsed: that part may have bound the variable, or what follows it is
+    /// not a rule of its own.
+    pub fn error_if_complete(&mut self, error: impl Finding) {
+        self.doubtful.push(error.diagnostic());
     }
 
     pub fn error(&mut self, error: impl Finding) {
@@ -205,7 +231,7 @@ impl<'a> Resolver<'a> {
             self.visible.iter().map(|id| &self.variable(*id).name),
         )
         .cloned();
-        self.error(UnknownVariable {
+        self.error_if_complete(UnknownVariable {
             name: name.text.clone(),
             at: name.span,
             similar,

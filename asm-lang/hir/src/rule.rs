@@ -101,7 +101,10 @@ impl Resolver<'_> {
             }
             ast::RuleKind::Iterate(body) => RuleKind::Iterate(self.rule(body)),
             ast::RuleKind::Local { functions, body } => self.local(functions, body),
-            ast::RuleKind::Invalid => RuleKind::Invalid,
+            ast::RuleKind::Invalid => {
+                self.mark_incomplete();
+                RuleKind::Invalid
+            }
         }
     }
 
@@ -296,7 +299,7 @@ impl Resolver<'_> {
         let rule = self.ty(Type::Rule);
         if !self.compatible(rule, term.ty) {
             let actual = self.show(term.ty);
-            self.error(NotARule {
+            self.error_if_complete(NotARule {
                 actual,
                 at: term.span,
             });

@@ -110,7 +110,10 @@ impl Resolver<'_> {
                 let ty = self.declared.resolve_type(self.unit, domain);
                 self.new_term(TermKind::Extent(ty), Type::Powerset(ty), span)
             }
-            ast::TermKind::Invalid => self.invalid(span),
+            ast::TermKind::Invalid => {
+                self.mark_incomplete();
+                self.invalid(span)
+            }
         }
     }
 

@@ -23,7 +23,7 @@ use crate::codes::l058::UnexpectedToken;
 use crate::edits::SpannedText;
 use crate::findings::SyntaxFindings;
 use crate::lexer::{Keyword, Lexer, SpannedToken, Token};
-use crate::nesting::{Nesting, OpenConstruct, closer};
+use crate::nesting::{Nesting, OpenConstruct, closer, continues};
 use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use expected::Expected;
 use lalrpop_util::ParseError;
@@ -159,7 +159,17 @@ impl<'input, 'run> Explainer<'input, 'run> {
         let is_near = third_last <= last.resumed || line <= last.resumed;
         let around = start <= last.at;
         let lost = error.is_any(&[ClosesNothing::CODE, MissingRule::CODE]);
-        is_near || around || lost
+        is_near || around || lost || self.continues_lost(last)
+    }
+
+    /// Returns `true` if the token found continues or closes a construct that the parser has left because of an earlier error
+    /// within it.
+    fn continues_lost(&self, last: LastError) -> bool {
+        let (Some((_, found, _)), Some(open)) = (self.found, self.nesting.open().next()) else {
+            return false;
+        };
+        let (begun, opener, _) = open.opener;
+        begun < last.resumed && (closer(opener) == Some(found) || continues(opener, found))
     }
 
     /// Returns the offset from which errors belong to the current declaration. An error at its
@@ -206,7 +216,6 @@ impl<'input, 'run> Explainer<'input, 'run> {
     /// Returns the first explanation that applies, from the most specific to the most general.
     fn at_token(&self, found: SpannedToken<'input>, expected: &Expected<'_>) -> Diagnostic {
         let explanations: [Explanation<'input, 'run>; _] = [
-            Self::bare_let,
             Self::missing_element,
             Self::unused_word,
             Self::wrong_sign,

@@ -346,6 +346,19 @@ pub(crate) fn closer(opener: Token<'_>) -> Option<Token<'static>> {
         .map(|&(_, end)| end)
 }
 
+/// Returns `true` if a token continues the construct of an opening one.
+pub(crate) fn continues(opener: Token<'_>, token: Token<'_>) -> bool {
+    let (Token::Keyword(opener), Token::Keyword(word)) = (opener, token) else {
+        return false;
+    };
+    matches!(
+        (opener, word),
+        (Keyword::If, Keyword::Then | Keyword::Else)
+            | (Keyword::Switch, Keyword::Case | Keyword::Otherwise)
+            | (Keyword::Let, Keyword::In)
+    )
+}
+
 /// Returns the opening token for a closing one; `>` may close a bag.
 pub(crate) fn opener(closer: Token<'_>) -> Option<Token<'static>> {
     if closer == Token::Sign(Sign::Gt) {

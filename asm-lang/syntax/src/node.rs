@@ -38,6 +38,8 @@ pub(crate) struct Nodes<'input, 'run> {
     text: &'input str,
     findings: &'run SyntaxFindings,
     explainer: RefCell<Explainer<'input, 'run>>,
+    /// Names that the fix of bindings without brackets corrects, within other such bindings, too.
+    respelt: RefCell<Vec<Span>>,
 }
 
 impl<'input, 'run> Nodes<'input, 'run> {
@@ -51,6 +53,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
             text,
             findings,
             explainer: RefCell::new(explainer),
+            respelt: RefCell::default(),
         }
     }
 

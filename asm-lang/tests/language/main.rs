@@ -20,6 +20,7 @@ mod initial_state;
 mod limits;
 mod messages;
 mod ranges;
+mod recovery;
 mod replay;
 mod semantics;
 mod session;

@@ -23,8 +23,8 @@ pub struct Envelope {
     pub stamp: i64,
     /// Name of that clock, for example `wall:rover1`; empty if it is the reader's own.
     pub clock: Arc<str>,
-    /// Time between `stamp` and the sending, measured by the sender: a message can wait for its transport, or be sent
-    /// again for a late reader.
+    /// Time since `stamp` in which the message is known to have waited: for its transport, to be sent again for a late reader, for
+    /// a process that stood still, or in the queue of its reader.
     pub age: Duration,
     /// Trace that the message belongs to; `None` if its sender keeps no traces.
     pub trace: Option<TraceContext>,

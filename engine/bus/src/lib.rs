@@ -17,7 +17,9 @@ mod request;
 mod robot_address;
 mod sender_id;
 mod service_client;
+mod standstill;
 mod trace_context;
+mod transit;
 
 pub use asmotion_connection::Notifier;
 pub use bus::{Bus, BusError, Publisher};
@@ -35,4 +37,6 @@ pub use request::{
 pub use robot_address::RobotAddress;
 pub use sender_id::SenderId;
 pub use service_client::ServiceClient;
+pub use standstill::Standstills;
 pub use trace_context::{InvalidTraceparent, SpanGenerator, TraceContext};
+pub use transit::TransitTimes;

@@ -66,10 +66,16 @@ pub struct SubscriptionSender {
 }
 
 struct SubscriptionQueue {
-    queue: ArrayQueue<Envelope>,
+    queue: ArrayQueue<QueuedMessage>,
     policy: QueuePolicy,
     counts: AtomicSubscriptionCounts,
     notifier: Arc<Notifier>,
+}
+
+/// A message in a queue.
+struct QueuedMessage {
+    envelope: Envelope,
+    queued_at: Instant,
 }
 
 impl SubscriptionSender {
@@ -92,19 +98,23 @@ impl SubscriptionSender {
     /// Appends a message; never blocks.
     pub fn push(&self, envelope: Envelope) {
         let shared = &self.shared;
+        let message = QueuedMessage {
+            envelope,
+            queued_at: Instant::now(),
+        };
         let dropped = match shared.policy {
             QueuePolicy::Latest => {
-                shared.queue.force_push(envelope);
+                shared.queue.force_push(message);
                 false
             }
             QueuePolicy::All {
                 overflow: Overflow::DropOldest,
                 ..
-            } => shared.queue.force_push(envelope).is_some(),
+            } => shared.queue.force_push(message).is_some(),
             QueuePolicy::All {
                 overflow: Overflow::DropNewest,
                 ..
-            } => shared.queue.push(envelope).is_err(),
+            } => shared.queue.push(message).is_err(),
         };
         if dropped {
             shared.counts.dropped.fetch_add(1, Ordering::Relaxed);
@@ -163,9 +173,15 @@ pub struct Subscription {
 }
 
 impl Subscription {
-    /// Removes and returns the next message, if there is one.
+    /// Removes and returns the next message, if there is one. Its age includes the time for which it waited in the queue: a
+    /// reader that stood still does not take it for new.
     pub fn try_next(&self) -> Option<Envelope> {
-        self.shared.queue.pop()
+        let QueuedMessage {
+            mut envelope,
+            queued_at,
+        } = self.shared.queue.pop()?;
+        envelope.age = envelope.age.saturating_add(queued_at.elapsed());
+        Some(envelope)
     }
 
     /// Removes and returns the next message, waiting at most for `timeout`.

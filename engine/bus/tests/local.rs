@@ -184,3 +184,28 @@ fn payloads_are_shared_not_copied() {
     };
     assert!(Arc::ptr_eq(&came, &sample));
 }
+
+#[test]
+fn the_age_of_a_message_includes_its_time_in_the_queue() {
+    let bus = LocalBus::new();
+    let notifier = Arc::new(Notifier::new());
+    let subscription = bus
+        .subscribe(
+            "reader",
+            &Pattern::new("odom"),
+            QueuePolicy::Latest,
+            notifier,
+        )
+        .unwrap();
+    let origin = SenderId::new("Driver", 1);
+    let mut publisher = bus
+        .publisher("odom", &origin, Datum::schema(), PublishOptions::default())
+        .unwrap();
+    publisher.publish(0, Payload::of(Datum::Int(1))).unwrap();
+    std::thread::sleep(Duration::from_millis(50));
+    let waited = subscription.try_next().unwrap().age;
+    assert!(waited >= Duration::from_millis(50), "{waited:?}");
+    publisher.publish(0, Payload::of(Datum::Int(2))).unwrap();
+    let fresh = subscription.try_next().unwrap().age;
+    assert!(fresh < Duration::from_millis(50), "{fresh:?}");
+}

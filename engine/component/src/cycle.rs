@@ -137,11 +137,17 @@ impl<'a> Cycle<'a> {
 
     /// Writes a sample, which is sent if the cycle succeeds (TCA `send`).
     pub fn write<T: Message>(&mut self, port: Out<T>, sample: T) {
+        self.write_aged(port, sample, Duration::ZERO);
+    }
+
+    /// Writes a sample as [`write`](Self::write) does, which is this old already: it comes from outside, and has waited there. Age
+    /// limits of connections count its age.
+    pub fn write_aged<T: Message>(&mut self, port: Out<T>, sample: T, age: Duration) {
         let index = port.position(self.host.owner());
         let output = self.host.output(index);
         match output.and_then(|output| (output as &mut dyn Any).downcast_mut::<OutputPort<T>>()) {
             Some(output) => {
-                output.write(sample);
+                output.write_aged(sample, age);
                 self.host.record(CycleAction::Write(index));
             }
             None => self.record_foreign_handle("output"),

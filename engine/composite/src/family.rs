@@ -1,6 +1,7 @@
 //! Loads a composite together with its nested composites, message types and specifications.
 
 mod layers;
+mod properties;
 mod removal;
 
 use crate::codes::c002::UnreadableComposite;
@@ -258,6 +259,9 @@ impl Visit<'_, '_> {
         let read = tree.zip(self.sources.find(path)).and_then(|(tree, file)| {
             let (composite, report) = read::composite(file, self.sources.text(file), &tree);
             self.report.extend(report);
+            if let Some(composite) = &composite {
+                properties::check(composite, &tree, self.report);
+            }
             composite
         });
         let Some(mut composite) = read else {

@@ -1,7 +1,7 @@
 //! Services, ports and topics over a bus behave like local ones.
 
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::common::{Double, Number, behaviour, counter, doubler, number};
 use asmotion_bus::{
@@ -193,6 +193,28 @@ fn a_one_way_call_arrives_or_is_counted() {
     until_reported(&mut there, "asked");
     drop(here);
     assert_eq!(*replies.lock().unwrap(), []);
+}
+
+#[test]
+fn the_time_limit_of_a_one_way_wire_is_that_in_which_its_request_can_be_taken() {
+    for limit in [Duration::from_secs(20), Duration::from_secs(200)] {
+        let (bus, replies) = (LocalBus::new(), Replies::default());
+        let served = bus
+            .serve("Provider.sums.double", 4, Arc::new(Notifier::new()))
+            .unwrap();
+        let wire = Wire {
+            timeout: limit,
+            ..Wire::one_way()
+        };
+        let begun = Instant::now();
+        calling(&bus, &replies, wire).0.simulate().run_for(10.ms());
+        let given = served.try_next().unwrap().deadline - begun;
+        let least = limit.saturating_sub(Duration::from_secs(1));
+        assert!(
+            (least..limit + begun.elapsed()).contains(&given),
+            "{given:?}"
+        );
+    }
 }
 
 #[test]

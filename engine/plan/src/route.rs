@@ -17,10 +17,18 @@ impl Plan {
     /// Returns whether any component, wire or promotion names a broker.
     pub fn names_brokers(&self) -> bool {
         let of_components = self.components.iter().map(|it| &it.pace.broker);
-        let of_wires = self.wires.iter().map(|it| &it.broker);
+        let leaving = self.wires.iter().filter(|it| self.leaves_process(it));
+        let of_wires = leaving.map(|it| &it.broker);
         let of_promotions = self.promoted.iter().map(|it| &it.broker);
         let mut all = of_components.chain(of_wires).chain(of_promotions);
         all.any(Option::is_some)
+    }
+
+    /// Returns whether calls through a wire leave the process of the caller.
+    fn leaves_process(&self, wire: &Wire) -> bool {
+        let process = |end: &End| self.process_of(&end.component).map(|it| &it.name);
+        let mut services = wire.services.iter();
+        wire.goes_abroad() || services.any(|it| process(it) != process(&wire.reference))
     }
 
     /// Returns the broker of a component; `None` if it has none.

@@ -4,6 +4,7 @@ use std::any::Any;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
+use std::time::Duration;
 
 use asmotion_connection::{Notifier, PushOutcome};
 use asmotion_datum::{Datum, DatumError, Message, Sample, Schema};
@@ -18,7 +19,7 @@ use crate::time::Time;
 /// An output port at run time. Used by its component's thread only.
 pub struct OutputPort<T> {
     schema: Schema,
-    pending: VecDeque<T>,
+    pending: VecDeque<PendingSample<T>>,
     links: Vec<(PortSender<T>, OutputLink)>,
     /// Number of the last sample that was sent.
     sequence: u64,
@@ -26,6 +27,19 @@ pub struct OutputPort<T> {
     last: Option<Stamped<T>>,
     /// The sample to write after the component's last cycle.
     safe: Option<T>,
+}
+
+/// A sample of a cycle that is not committed yet.
+struct PendingSample<T> {
+    value: T,
+    age: Duration,
+}
+
+impl<T> PendingSample<T> {
+    fn new(value: T) -> Self {
+        let age = Duration::ZERO;
+        Self { value, age }
+    }
 }
 
 /// The writer's record of a connection, or of several that share a queue.
@@ -101,19 +115,25 @@ impl<T: Message> OutputPort<T> {
 
     /// Queues a sample until the cycle is committed.
     pub fn write(&mut self, sample: T) {
-        self.pending.push_back(sample);
+        self.pending.push_back(PendingSample::new(sample));
     }
 
-    /// Sends one sample through every connection.
+    /// Queues a sample that is this old already. Age limits of connections count its age.
+    pub fn write_aged(&mut self, sample: T, age: Duration) {
+        let value = sample;
+        self.pending.push_back(PendingSample { value, age });
+    }
+
+    /// Sends one sample, written at this time, through every connection.
     fn deliver(
         &mut self,
         sample: T,
-        now: Time,
+        at: Time,
         effects: &mut dyn PortEffects,
     ) -> Result<(), Undelivered> {
         self.links.retain(|(_, link)| link.may_have_reader());
         let sample = self.last.insert(Stamped {
-            at: now,
+            at,
             order: effects.next_order(),
             value: sample,
         });
@@ -328,17 +348,17 @@ impl<T: Message> AnyOutput for OutputPort<T> {
     fn write_safe(&mut self) -> bool {
         let safe = self.safe.clone();
         let has_safe = safe.is_some();
-        self.pending.extend(safe);
+        self.pending.extend(safe.map(PendingSample::new));
         has_safe
     }
 
     fn flush(&mut self, now: Time, effects: &mut dyn PortEffects) -> Result<(), Undelivered> {
-        let Some(sample) = self.pending.pop_front() else {
+        let Some(PendingSample { value, age }) = self.pending.pop_front() else {
             return Ok(());
         };
         self.sequence += 1;
-        effects.published(self.sequence, &sample);
-        self.deliver(sample, now, effects)
+        effects.published(self.sequence, &value);
+        self.deliver(value, now - age, effects)
     }
 
     fn discard(&mut self) {

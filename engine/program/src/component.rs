@@ -61,11 +61,13 @@ impl ProgramComponent {
         request: ProgramRequest,
         kind: &'static str,
     ) -> Result<(), ProgramError> {
-        let reply = self.session()?.exchange(request, kind);
+        let session = self.session()?;
+        let age = session.take_lateness();
+        let reply = session.exchange(request, kind);
         self.report_lines(cycle);
         let reply = reply?;
         expect(&reply, "done", kind)?;
-        self.carry_out(cycle, &reply)
+        self.carry_out(cycle, &reply, age)
     }
 
     /// Runs a cycle: `cycle`, or `recover` in the error state.

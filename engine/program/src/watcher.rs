@@ -6,8 +6,9 @@ use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use asmotion_bus::Standstills;
 use rustix::event::epoll;
 
 use crate::connection::ProgramConnection;
@@ -33,11 +34,15 @@ pub(crate) fn lock(connection: &Mutex<ProgramConnection>) -> MutexGuard<'_, Prog
     connection.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Earliest time of a `wake` that this process noticed late, because it stood still; `None` if there is none that no cycle has taken.
+type LateWake = Arc<Mutex<Option<Instant>>>;
+
 /// The thread that watches a connection.
 pub(crate) struct ProgramWatcher {
     is_to_end: Arc<AtomicBool>,
     /// `None` without a thread.
     readiness: Option<Arc<Readiness>>,
+    late: LateWake,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -85,13 +90,23 @@ impl ProgramWatcher {
         let flag = Arc::clone(&is_to_end);
         let stream = lock(connection).stream().try_clone();
         let readiness = stream.and_then(Readiness::new).ok().map(Arc::new);
+        let late = LateWake::default();
+        let noted = Arc::clone(&late);
         let thread = readiness.clone().and_then(|readiness| {
             let connection = Arc::clone(connection);
+            let standstills = Standstills::of_process();
             let builder = std::thread::Builder::new().name("program".to_owned());
             let run = move || {
                 while !flag.load(Ordering::Acquire) {
+                    let looked = Instant::now();
                     readiness.wait(NAP);
-                    if !watch(&connection, &waker) {
+                    let late = || {
+                        let waited = standstills.waited(looked);
+                        let since = Instant::now().checked_sub(waited);
+                        let since = since.filter(|_| !waited.is_zero());
+                        *noted.lock().unwrap_or_else(PoisonError::into_inner) = since;
+                    };
+                    if !watch(&connection, &waker, late) {
                         return;
                     }
                 }
@@ -101,6 +116,7 @@ impl ProgramWatcher {
         Self {
             is_to_end,
             readiness,
+            late,
             thread,
         }
     }
@@ -110,6 +126,12 @@ impl ProgramWatcher {
         if let Some(readiness) = &self.readiness {
             readiness.set_watched(is_watched);
         }
+    }
+
+    /// Returns for how long, at most, the `wake` of the present cycle has waited because this process stood still.
+    pub(crate) fn take_lateness(&self) -> Duration {
+        let mut late = self.late.lock().unwrap_or_else(PoisonError::into_inner);
+        late.take().map_or(Duration::ZERO, |since| since.elapsed())
     }
 
     /// Ends the thread; the connection must have been closed.
@@ -122,14 +144,18 @@ impl ProgramWatcher {
     }
 }
 
-/// Receives what a program has sent outside of an exchange. Returns `false` if it has ended.
-fn watch(connection: &SharedConnection, waker: &CycleWaker) -> bool {
+/// Receives what a program has sent outside of an exchange. Calls `woken` before it wakes. Returns `false` if the program has
+/// ended.
+fn watch(connection: &SharedConnection, waker: &CycleWaker, woken: impl FnOnce()) -> bool {
     // waits for the end of an exchange
     let mut connection = lock(connection);
     let has_ended = connection.receive_unasked();
     connection.log.read(CHUNKS);
     let has_woken = connection.take_wake();
     drop(connection);
+    if has_woken {
+        woken();
+    }
     if has_woken || has_ended {
         waker();
     }
@@ -144,7 +170,6 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests")]
 
     use std::io::Write;
-    use std::time::Instant;
 
     use super::*;
 

@@ -55,4 +55,4 @@ pub use self::presence::{
 };
 pub use self::remote::{Remote, listen};
 pub use self::stand_in::{RobotComponent, StandIn};
-pub use self::watch::OutputWatch;
+pub use self::watch::{OutputWatch, WatchedSample};

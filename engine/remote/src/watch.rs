@@ -15,6 +15,15 @@ use crate::roster::ComponentLocation;
 /// Period at which the lease is renewed.
 const AGAIN: Duration = Duration::from_secs(5);
 
+/// A sample of a watched output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WatchedSample {
+    /// The sample, or the reason why it cannot be decoded.
+    pub content: Result<Datum, DatumError>,
+    /// Time for which it waited, for example because its reader stood still.
+    pub age: Duration,
+}
+
 /// The samples of an output. If [`next_within`](Self::next_within) is not called for some seconds, the lease expires
 /// and samples are missed.
 pub struct OutputWatch {
@@ -45,7 +54,7 @@ impl OutputWatch {
     }
 
     /// Waits up to `timeout` for the next sample.
-    pub fn next_within(&mut self, timeout: Duration) -> Option<Result<Datum, DatumError>> {
+    pub fn next_within(&mut self, timeout: Duration) -> Option<WatchedSample> {
         let until = asmotion_bus::deadline_after(timeout);
         loop {
             if self.renewed_at.elapsed() >= AGAIN {
@@ -58,7 +67,10 @@ impl OutputWatch {
             let remaining = until.saturating_duration_since(Instant::now());
             let next = self.samples.next_within(remaining.min(AGAIN));
             if next.is_some() || remaining.is_zero() {
-                return next.map(|envelope| envelope.payload.to_datum());
+                return next.map(|envelope| WatchedSample {
+                    content: envelope.payload.to_datum(),
+                    age: envelope.age,
+                });
             }
         }
     }

@@ -7,6 +7,7 @@
     reason = "tests read files"
 )]
 
+mod bus;
 mod composites;
 mod conformance;
 mod disorder;

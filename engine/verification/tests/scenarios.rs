@@ -5,7 +5,7 @@ use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Span, Time, Transition};
 use asmotion_composite::{AsmFiles, Context, NoPrograms};
 use asmotion_datum::Datum;
-use asmotion_plan::{Implementation, Plan};
+use asmotion_plan::{Implementation, Part, Plan};
 use asmotion_runtime::Run;
 use asmotion_verification::conformance::{ComponentConformance, ProtocolObserver};
 use std::collections::BTreeMap;
@@ -51,7 +51,8 @@ impl Scenario {
         );
         let plan = opened.plan(None).expect("a plan");
         let protocols = |name: &str| files.protocol(name);
-        let observer = ProtocolObserver::new(plan, files, &protocols).expect("protocols");
+        let observer =
+            ProtocolObserver::new(plan, &Part::Whole, files, &protocols).expect("protocols");
         let mut workshop = Standard {
             catalogue: &*CATALOGUE,
             loader: files,

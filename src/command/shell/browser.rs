@@ -4,6 +4,7 @@ use super::peers::peers;
 use super::verb::VERBS;
 use crate::command::component::{list, show};
 use crate::command::run::property_value;
+use crate::command::topic::OLD;
 use crate::prompt;
 use crate::table;
 use crate::terminal::{FAINT, TerminalOutput};
@@ -205,7 +206,8 @@ impl Browser {
             let Some(message) = watch.next_within(SILENCE) else {
                 return Err(format!("no message from `{path}` for {SILENCE:?}").into());
             };
-            terminal.result(asmotion_datum::json::encode(&message?)?);
+            let text = asmotion_datum::json::encode(&message.content?)?;
+            terminal.result(format_args!("{text}{}", old(message.age)));
         }
         Ok(())
     }
@@ -323,4 +325,12 @@ mod tests {
             assert_eq!(split_call(written), (path, argument), "{written}");
         }
     }
+}
+
+/// The age of a message, after it, unless the message is new: it waited where nobody read the output.
+fn old(age: Duration) -> String {
+    if age < OLD {
+        return String::new();
+    }
+    format!("   {FAINT}{:.1} s old{FAINT:#}", age.as_secs_f64())
 }

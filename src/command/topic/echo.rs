@@ -1,6 +1,6 @@
 //! `asmotion topic echo`: prints the messages of a topic.
 
-use super::unknown_topic;
+use super::{OLD, unknown_topic};
 use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
@@ -31,7 +31,8 @@ pub struct Echo {
 
 impl Echo {
     /// Prints each message as a JSON object on a line. Receiving none is a finding. If the topic is unknown, this warns and
-    /// waits for it.
+    /// waits for it. No message that waited, because nobody read the output, is printed as a new one, and none is left out
+    /// silently.
     pub fn run(
         self,
         remote: &Remote,
@@ -43,7 +44,7 @@ impl Echo {
             .map_err(|error| error.to_string())?;
         let catalogue = build.catalogue();
         let until = Instant::now() + Duration::from_secs(self.limit);
-        let mut count = 0;
+        let (mut count, mut dropped) = (0, 0);
         let mut first = subscription.next_within(DISCOVERY.min(Duration::from_secs(self.limit)));
         if first.is_none()
             && let Some(warning) = unknown_topic(&self.topic, remote)
@@ -58,6 +59,14 @@ impl Echo {
             };
             count += 1;
             terminal.result(line(&envelope, catalogue));
+            let now = subscription.dropped();
+            if now > dropped {
+                let more = now - dropped;
+                terminal.warn(format_args!(
+                    "{more} messages not shown, because nobody read the output"
+                ));
+                dropped = now;
+            }
         }
         Ok(if count > 0 { Exit::Ok } else { Exit::Findings })
     }
@@ -71,10 +80,13 @@ fn line(envelope: &Envelope, catalogue: &dyn Catalogue) -> String {
     let content = content.and_then(|datum| asmotion_datum::json::encode(&datum));
     // numbers keep the notation of the sender
     let content = content.unwrap_or_else(|error| json!(error.to_string()).to_string());
-    let about = json!({
+    let mut about = json!({
         "topic": &*envelope.topic, "source": &*envelope.source, "sequence": envelope.sequence,
         "stamp": envelope.stamp, "type": &*envelope.type_name,
     });
+    if envelope.age >= OLD {
+        about["age_s"] = json!(envelope.age.as_millis() as f64 / 1e3);
+    }
     let about = about.to_string();
     let about = about.trim_end_matches('}');
     format!("{about},\"content\":{content}}}")

@@ -1,6 +1,7 @@
 //! Bindings without brackets, and comprehensions without a term.
 
 use super::{Expected, Explainer};
+use crate::ast::NameText;
 use crate::codes::l065::UnbracketedLet;
 use crate::codes::l066::MissingElement;
 use crate::findings::SyntaxFindings;
@@ -24,34 +25,18 @@ const CLOSING: [Token<'static>; 3] = [
 ];
 
 impl<'input> Explainer<'input, '_> {
-    /// Explains `let $x = 1 in`.
-    pub(super) fn bare_let(
-        &self,
-        found: SpannedToken<'input>,
-        expected: &Expected<'_>,
-    ) -> Option<Diagnostic> {
-        let (start, token, _) = found;
-        let unmarked = matches!(token, Token::Name(_));
-        let is_name = unmarked || matches!(token, Token::Variable(_));
-        let previous = self.nesting.previous.map(|(_, token, _)| token);
-        if !is_name || previous != Some(Token::Keyword(Keyword::Let)) || !expected.has("(") {
-            return None;
-        }
+    /// Explains `let $x = 1 in`, whose first name is at `start`.
+    pub(crate) fn bare_let(&self, name: &NameText, start: usize, unmarked: bool) -> UnbracketedLet {
         let end = self.end_of_bindings(start);
-        let bindings = end.map(|end| self.findings.span(start, end));
-        let at = self.span(found);
-        Some(
-            UnbracketedLet {
-                at,
-                bindings,
-                unmarked,
-                names: end
-                    .filter(|_| unmarked)
-                    .and_then(|end| self.unmarked_names(start, end))
-                    .unwrap_or_default(),
-            }
-            .diagnostic(),
-        )
+        UnbracketedLet {
+            at: name.span,
+            bindings: end.map(|end| self.findings.span(start, end)),
+            unmarked,
+            names: end
+                .filter(|_| unmarked)
+                .and_then(|end| self.unmarked_names(start, end))
+                .unwrap_or_default(),
+        }
     }
 
     /// Returns the end of the token before the `in` that belongs to bindings.

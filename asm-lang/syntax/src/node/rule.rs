@@ -149,6 +149,24 @@ impl Nodes<'_, '_> {
         vec![drop(start, head), drop(tail, end)]
     }
 
+    /// Reports bindings without brackets, of which there is at least one. Returns `None` if a name lacks its `$`.
+    pub(crate) fn bare_bindings(
+        &self,
+        start: usize,
+        bindings: Vec<(NameText, bool, Term)>,
+    ) -> Option<Vec<(NameText, Term)>> {
+        let (first, is_marked, _) = bindings.first()?;
+        let mut respelt = self.respelt.borrow_mut();
+        if !respelt.contains(&first.span) {
+            let finding = self.explainer.borrow().bare_let(first, start, !is_marked);
+            respelt.extend(&finding.names);
+            self.findings.report(finding);
+        }
+        let marked = bindings.into_iter();
+        let marked = marked.map(|(name, is_marked, term)| is_marked.then_some((name, term)));
+        marked.collect()
+    }
+
     /// Builds a single rule. Several are an error, and are combined by `par`.
     pub(crate) fn block(&self, start: usize, mut rules: Vec<Rule>, end: usize) -> Rule {
         match rules.pop() {

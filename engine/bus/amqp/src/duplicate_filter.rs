@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
-use crate::transit::TransitTimes;
 use crate::wire::{MessageIdentity, StreamId};
+use asmotion_bus::TransitTimes;
 
 /// Limit of remembered gaps per stream.
 const GAPS: usize = 1024;

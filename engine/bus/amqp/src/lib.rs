@@ -38,7 +38,6 @@ mod settings;
 mod subscriber;
 mod supervisor;
 mod tls;
-mod transit;
 pub mod wire;
 
 pub use bus::AmqpBus;

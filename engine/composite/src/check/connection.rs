@@ -1,30 +1,26 @@
 //! Checks connections: direction and type of both ends, a single writer for last-value data, and a writer for every
 //! input.
 
-use crate::codes::c004::MissingKey;
 use crate::codes::c040::WrongDirection;
 use crate::codes::c041::NoComponentJoined;
 use crate::codes::c042::ConnectionMismatch;
 use crate::codes::c043::TwoWriters;
-use crate::codes::c044::QueueWithoutSize;
 use crate::codes::c045::UnconnectedInput;
 use crate::codes::c046::OpenInput;
 use crate::codes::c047::UnsyncAcrossThreads;
-use crate::codes::c048::IdleKey;
 use crate::codes::c049::DuplicateConnection;
 use crate::codes::c058::TooManyThreads;
 use std::collections::BTreeMap;
 
-use asmotion_datum::Word as _;
 use asmotion_diagnostics::{Report, Span};
 
 use super::endpoints::{PortDirection, TypeAt};
 use super::meant::meant;
-use super::queue;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::wire::own_place;
+use super::{policy, queue};
 use crate::finding::Findings;
-use crate::model::{Connection, ConnectionType, Delivery, End, Lock, Policy, Promoted, Terminal};
+use crate::model::{Connection, ConnectionType, End, Lock, Promoted, Terminal};
 
 /// A connection between a port and a topic.
 pub(crate) struct TopicLink {
@@ -78,9 +74,7 @@ fn connection(
     links: &mut Vec<TopicLink>,
     report: &mut Report,
 ) {
-    policy(&connection.policy, report);
-    polls(scene, connection, report);
-    queue::idle_keys(connection, report);
+    policy::check(scene, connection, report);
     let before = report.diagnostics.len();
     let from = terminals(scene, &connection.from, PortDirection::Out, report);
     // ends that could not be parsed are missing from the list
@@ -393,69 +387,4 @@ fn threads(
 /// Returns the component in whose thread the component runs.
 fn thread<'s>(scene: &CheckedComposite<'s>, name: &'s str) -> &'s str {
     super::schedule::masters(scene, name).last().unwrap_or(name)
-}
-
-/// Reports policy keys that have no effect in combination.
-fn policy(policy: &Policy, report: &mut Report) {
-    let kind = policy
-        .kind
-        .as_ref()
-        .map_or(ConnectionType::Data, |kind| kind.value);
-    match (kind, &policy.size) {
-        (ConnectionType::Buffer | ConnectionType::Circular, None) => {
-            let at = policy.kind.as_ref().map_or(policy.span, |kind| kind.span);
-            let kind = kind.word();
-            report.found(QueueWithoutSize { kind, at });
-        }
-        (ConnectionType::Data, Some(size)) => {
-            idle("size", size.span, "only a queue has a size", report)
-        }
-        (ConnectionType::Buffer | ConnectionType::Circular, Some(_))
-        | (ConnectionType::Data, None) => {}
-    }
-    if let (Some(on_stale), None) = (&policy.on_stale, &policy.max_age_ms) {
-        idle(
-            "on_stale",
-            on_stale.span,
-            "`max_age_ms` is missing, so nothing gets stale",
-            report,
-        );
-    }
-    let delivery = policy.delivery.as_ref();
-    if let (Some(delivery), None) = (delivery, &policy.poll_ms)
-        && delivery.value == Delivery::Poll
-    {
-        report.found(MissingKey {
-            key: "poll_ms",
-            of: "a connection that is polled",
-            at: delivery.span,
-            example: "50".to_owned(),
-        });
-    }
-}
-
-/// Reports keys of polling that change nothing.
-fn polls(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Report) {
-    let policy = &connection.policy;
-    let delivery = policy.delivery.as_ref();
-    let Some(delivery) = delivery.filter(|it| it.value == Delivery::Poll) else {
-        if let Some(poll_ms) = &policy.poll_ms {
-            let reason = "only `delivery = \"poll\"` has an interval";
-            idle("poll_ms", poll_ms.span, reason, report);
-        }
-        return;
-    };
-    let has_pace = |terminal: &Terminal| {
-        let end = port(terminal);
-        let component = end.and_then(|end| scene.composite.component(&end.component));
-        component.is_some_and(CheckedComposite::has_pace)
-    };
-    if !connection.to.is_empty() && connection.to.iter().all(has_pace) {
-        let reason = "the reader has a period or a master, and reads in each of its cycles";
-        idle("delivery", delivery.span, reason, report);
-    }
-}
-
-fn idle(key: &'static str, at: Span, reason: &'static str, report: &mut Report) {
-    report.found(IdleKey { key, at, reason });
 }

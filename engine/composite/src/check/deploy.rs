@@ -1,5 +1,7 @@
 //! Checks the deployment: every component must run in exactly one process.
 
+use std::borrow::Cow;
+
 use crate::codes::c048::IdleKey;
 use crate::codes::c070::PlacedTwice;
 use crate::codes::c071::PlacedNowhere;
@@ -9,10 +11,12 @@ use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::scene::CheckedComposite;
+use super::scene::{CheckedComposite, nested};
+use super::schedule;
 use super::topic::Topics;
+use crate::family::{Family, Member};
 use crate::finding::Findings;
-use crate::model::{Deploy, Process, RestartPolicy};
+use crate::model::{Component, Deploy, Process, RestartPolicy};
 use crate::nearest::nearest_name;
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
@@ -27,6 +31,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut 
             report.found(DuplicateProcess { name, at, first });
         }
         place(scene, process, &mut places, report);
+        priority(scene, process, report);
     }
     for component in &scene.composite.components {
         if !places.contains_key(component.name.value.as_str()) {
@@ -58,8 +63,46 @@ fn restart(deploy: &Deploy, report: &mut Report) {
     let backoff = restart.backoff_ms.first().map(|it| ("backoff_ms", it.span));
     for (key, at) in [max, window, backoff].into_iter().flatten() {
         let reason = "nothing is restarted without `policy = \"on_failure\"` or `\"always\"`";
-        report.found(IdleKey { key, at, reason });
+        report.found(IdleKey {
+            key: Cow::Borrowed(key),
+            at,
+            reason,
+        });
     }
+}
+
+/// Reports the priority of a process in which no thread has a class with priorities and takes this one.
+fn priority(scene: &CheckedComposite<'_>, process: &Process, report: &mut Report) {
+    let Some(priority) = &process.priority else {
+        return;
+    };
+    let class = process.scheduler.as_ref().map(|it| it.value);
+    let is_used = class.is_some_and(schedule::has_priorities)
+        || process.components.iter().any(|name| {
+            let component = scene.composite.component(name);
+            component.is_some_and(|it| takes_priority(scene.family, scene.member, it))
+        });
+    if !is_used {
+        report.found(IdleKey {
+            key: Cow::Borrowed("priority"),
+            at: priority.span,
+            reason: schedule::NO_PRIORITIES,
+        });
+    }
+}
+
+/// Returns whether a component, or one within it, has a scheduling class with priorities and takes that of its process.
+fn takes_priority(family: &Family, member: &Member, component: &Component) -> bool {
+    if let Some(file) = nested(component) {
+        return family.nested(member, file).is_some_and(|(_, member)| {
+            let mut inner = member.composite.components.iter();
+            inner.any(|it| takes_priority(family, member, it))
+        });
+    }
+    component.pace().is_some_and(|pace| {
+        let class = pace.scheduler.as_ref().map(|it| it.value);
+        pace.priority.is_none() && class.is_some_and(schedule::has_priorities)
+    })
 }
 
 fn place<'s>(

@@ -1,5 +1,7 @@
 //! Checks bridges.
 
+use std::borrow::Cow;
+
 use crate::codes::c004::MissingKey;
 use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
@@ -73,7 +75,7 @@ fn check_keys(bridge: &Bridge, report: &mut Report) {
                 }
             }
             Some(at) if kind != bridge.kind.value => report.found(IdleKey {
-                key,
+                key: Cow::Borrowed(key),
                 at,
                 reason: "belongs to bridges of another kind",
             }),

@@ -1,6 +1,10 @@
 //! Checks wires to several services, which must not be used for calls that await a reply.
 
+use std::borrow::Cow;
+
+use crate::at::At;
 use crate::codes::c034::AwaitsSeveral;
+use crate::codes::c048::IdleKey;
 use asmotion_datum::Shape;
 use asmotion_diagnostics::{Report, Span};
 
@@ -18,6 +22,9 @@ pub(super) fn check(
     reference: &EndpointService,
     report: &mut Report,
 ) {
+    if !super::waits(wire) && wire.services.len() < 2 {
+        return without_reply(part, &wire.reference.name.value, report);
+    }
     if wire.services.len() < 2 {
         return;
     }
@@ -28,6 +35,36 @@ pub(super) fn check(
             at: wire.reference.span(),
             place,
         });
+    }
+}
+
+/// Reports keys of bindings about the reply to a one-way call.
+fn without_reply(part: &CheckedComponent<'_>, reference: &str, report: &mut Report) {
+    for call in part.bind.calls() {
+        if call.operation.component.value != reference {
+            continue;
+        }
+        let faults = call.faults.first().map(|it| it.name.span);
+        let place = |key: &Option<At<String>>| key.as_ref().map(|it| it.span);
+        let keys = [
+            ("keep", place(&call.keep)),
+            ("ok", place(&call.ok)),
+            ("failed", place(&call.failed)),
+            ("faults", faults),
+            ("timeout", place(&call.timeout)),
+            ("unavailable", place(&call.unavailable)),
+            ("event", place(&call.event)),
+            ("reply", place(&call.reply)),
+        ];
+        for (key, at) in keys {
+            if let Some(at) = at {
+                report.found(IdleKey {
+                    key: Cow::Borrowed(key),
+                    at,
+                    reason: "the wire is one-way, so there is no outcome",
+                });
+            }
+        }
     }
 }
 

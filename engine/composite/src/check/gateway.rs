@@ -3,8 +3,10 @@
 use crate::codes::c009::InvalidName;
 use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c020::UnknownName;
+use crate::codes::c048::IdleKey;
 use crate::codes::c063::NoGateway;
 use crate::codes::c066::GatewayInTwoProcesses;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
@@ -26,6 +28,29 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for promotion in &scene.composite.promotions {
         if scene.active(&promotion.profiles) {
             gateways.promotion(promotion);
+        }
+    }
+    unused(scene, report);
+}
+
+/// Reports gateways through which no service is promoted, in any profile.
+fn unused(scene: &CheckedComposite<'_>, report: &mut Report) {
+    let gateways = &scene.composite.gateways;
+    let promotions = scene.composite.promotions.iter();
+    let over_http = promotions.filter(|it| it.over(Transport::Http).is_some());
+    let over_http: Vec<&Promotion> = over_http.collect();
+    for gateway in gateways {
+        let is_its = |it: &&&Promotion| match &it.gateway {
+            Some(name) => name.value == gateway.name.value,
+            // a gateway is missing or ambiguous, which is an error of its own
+            None => true,
+        };
+        if !over_http.iter().any(|it| is_its(&it)) {
+            report.found(IdleKey {
+                key: Cow::Owned(format!("gateways.{}", gateway.name.value)),
+                at: gateway.name.span,
+                reason: "no service is promoted through it with `binding = \"http\"`",
+            });
         }
     }
 }

@@ -20,6 +20,7 @@ mod gateway;
 mod literal;
 mod meant;
 mod operations;
+mod policy;
 mod profile;
 mod promote;
 mod protocol;

@@ -2,7 +2,9 @@
 
 use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c020::UnknownName;
+use crate::codes::c048::IdleKey;
 use crate::codes::c060::DuplicatePromotion;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
@@ -44,6 +46,7 @@ pub(crate) fn check(
             });
         }
         optional(promotion, report);
+        idle_transport(promotion, report);
         let over_broker = promotion.over(Transport::Amqp);
         scene.broker(over_broker, promotion.broker.as_ref(), report);
         // HTTP is available for services only
@@ -141,6 +144,30 @@ fn optional(promotion: &Promotion, report: &mut Report) {
             second: "optional".to_owned(),
             at: promotion.span,
             reason: "only a reference can be optional",
+        });
+    }
+}
+
+/// Reports keys of transports on promotions that are not called over them.
+fn idle_transport(promotion: &Promotion, report: &mut Report) {
+    let is_service = matches!(promotion.what, Promoted::Service(_));
+    let over_broker = promotion.over(Transport::Amqp);
+    if let Some(binding) = over_broker
+        && !is_service
+    {
+        report.found(IdleKey {
+            key: Cow::Borrowed("binding"),
+            at: binding.span,
+            reason: "only a service is called at its promotion",
+        });
+    }
+    if let Some(broker) = &promotion.broker
+        && over_broker.is_none()
+    {
+        report.found(IdleKey {
+            key: Cow::Borrowed("broker"),
+            at: broker.span,
+            reason: "only a promotion with `binding = \"amqp\"` uses a broker",
         });
     }
 }

@@ -1,5 +1,7 @@
 //! Checks the built-in component ros-bridge.
 
+use std::borrow::Cow;
+
 use std::collections::BTreeMap;
 
 use asmotion_bridge::FieldConverter;
@@ -128,7 +130,11 @@ fn check_qos(entry: &RosEntry, kind: BridgeKind, report: &mut Report) {
             (BridgeKind::Ros2, Direction::ToRos | Direction::FromRos) => continue,
         };
         if let Some(at) = at {
-            report.found(IdleKey { key, at, reason });
+            report.found(IdleKey {
+                key: Cow::Borrowed(key),
+                at,
+                reason,
+            });
         }
     }
 }

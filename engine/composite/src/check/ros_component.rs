@@ -1,5 +1,7 @@
 //! Checks the components that a ros-bridge shows to ROS.
 
+use std::borrow::Cow;
+
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
@@ -25,7 +27,7 @@ pub(super) fn check(
     if let (BridgeKind::Ros1 | BridgeKind::Rosbridge, Some(first)) = (kind, special.managed.first())
     {
         report.found(IdleKey {
-            key: "managed",
+            key: Cow::Borrowed("managed"),
             at: first.name.span,
             reason: "only ROS 2 has managed nodes",
         });

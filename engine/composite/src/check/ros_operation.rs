@@ -1,5 +1,7 @@
 //! Checks the operations that a ros-bridge joins with services and actions of ROS.
 
+use std::borrow::Cow;
+
 use std::collections::BTreeMap;
 
 use asmotion_bridge::{Conversion, Use};
@@ -37,7 +39,7 @@ pub(super) fn check_entry(
     ];
     for (key, _) in keys.into_iter().filter(|(_, is_given)| *is_given) {
         report.found(IdleKey {
-            key,
+            key: Cow::Borrowed(key),
             at: entry.span,
             reason: "belongs to topics",
         });
@@ -64,7 +66,7 @@ pub(super) fn check_entry(
         (&entry.cancel, entry.direction.value, &there.feedback)
     {
         report.found(IdleKey {
-            key: "cancel",
+            key: Cow::Borrowed("cancel"),
             at: cancel.span,
             reason: "clients in ROS cancel their goals themselves",
         });
@@ -73,7 +75,7 @@ pub(super) fn check_entry(
         (&entry.result, entry.direction.value, &there.feedback)
     {
         report.found(IdleKey {
-            key: "result",
+            key: Cow::Borrowed("result"),
             at: result.span,
             reason: "a fault of the reference has no result",
         });
@@ -107,7 +109,11 @@ pub(super) fn only_for_actions(entry: &RosEntry, reason: &'static str, report: &
     for (key, written) in keys {
         if let Some(written) = written {
             let at = written.span;
-            report.found(IdleKey { key, at, reason });
+            report.found(IdleKey {
+                key: Cow::Borrowed(key),
+                at,
+                reason,
+            });
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Checks when components cycle and are reset, and in which thread they run.
 
+use std::borrow::Cow;
+
 use crate::codes::c035::MasterCycle;
 use crate::codes::c048::IdleKey;
 
@@ -7,7 +9,7 @@ use asmotion_diagnostics::Report;
 
 use super::scene::CheckedComposite;
 use crate::finding::Findings;
-use crate::model::{Component, OnException, Pace};
+use crate::model::{Component, OnException, Pace, Scheduler};
 
 /// Checks the schedule of a component and its limit of resets.
 pub(crate) fn check(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
@@ -37,10 +39,13 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
     scene.broker(None, pace.broker.as_ref(), report);
     if let (Some(on_deadline), None) = (&pace.on_deadline, &pace.deadline_ms) {
         report.found(IdleKey {
-            key: "on_deadline",
+            key: Cow::Borrowed("on_deadline"),
             at: on_deadline.span,
             reason: "no cycle is late without `deadline_ms`",
         });
+    }
+    if pace.master.is_none() {
+        priority(scene, component, pace, report);
     }
     if let Some(master) = &pace.master {
         slave(pace, report);
@@ -52,6 +57,40 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
                 at: master.span,
             });
         }
+    }
+}
+
+/// Reason why a priority has no effect.
+pub(super) const NO_PRIORITIES: &str =
+    "only threads with `scheduler = \"fifo\"` or `\"rr\"` have a priority";
+
+/// Returns whether threads of a scheduling class have priorities.
+pub(super) fn has_priorities(class: Scheduler) -> bool {
+    match class {
+        Scheduler::Other => false,
+        Scheduler::Fifo | Scheduler::RoundRobin => true,
+    }
+}
+
+/// Reports a priority in a class without priorities. A component of a nested composite can have the class of a process in
+/// another file.
+fn priority(scene: &CheckedComposite<'_>, component: &Component, pace: &Pace, report: &mut Report) {
+    let Some(priority) = &pace.priority else {
+        return;
+    };
+    let name = &component.name.value;
+    let deploy = scene.composite.deploy.as_ref();
+    let mut processes = deploy.iter().flat_map(|it| &it.processes);
+    let process = processes.find(|it| it.components.iter().any(|it| it.value == *name));
+    let of_process = process.and_then(|it| it.scheduler.as_ref());
+    let class = pace.scheduler.as_ref().or(of_process);
+    let is_known = class.is_some() || scene.path == scene.family.root;
+    if is_known && !class.is_some_and(|it| has_priorities(it.value)) {
+        report.found(IdleKey {
+            key: Cow::Borrowed("priority"),
+            at: priority.span,
+            reason: NO_PRIORITIES,
+        });
     }
 }
 
@@ -77,7 +116,11 @@ fn slave(pace: &Pace, report: &mut Report) {
     ];
     for (key, at, reason) in keys {
         if let Some(at) = at {
-            report.found(IdleKey { key, at, reason });
+            report.found(IdleKey {
+                key: Cow::Borrowed(key),
+                at,
+                reason,
+            });
         }
     }
 }
@@ -91,7 +134,7 @@ fn resets(component: &Component, report: &mut Report) {
     let resets = on_exception.is_some_and(|it| it.value == OnException::Reset);
     if let (Some(max_resets), false) = (&lifecycle.max_resets, resets) {
         report.found(IdleKey {
-            key: "max_resets",
+            key: Cow::Borrowed("max_resets"),
             at: max_resets.span,
             reason: "a component that fails is reset only with `on_exception = \"reset\"`",
         });

@@ -1,5 +1,7 @@
 //! Checks topics: a common message type for all publishers and subscribers, and at least one publisher.
 
+use std::borrow::Cow;
+
 use crate::codes::c004::MissingKey;
 use crate::codes::c048::IdleKey;
 use crate::codes::c050::TopicWithTwoTypes;
@@ -247,7 +249,7 @@ fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
         }),
         (None | Some(model::Outage::Drop | model::Outage::Latest), Some(size)) => {
             report.found(IdleKey {
-                key: "size",
+                key: Cow::Borrowed("size"),
                 at: size.span,
                 reason: "only `outage = \"queue\"` has a size",
             });

@@ -1,5 +1,7 @@
 //! Checks wires: every reference is connected exactly once, to a service with the same interface.
 
+use std::borrow::Cow;
+
 use crate::codes::c030::WireMismatch;
 use crate::codes::c031::DanglingReference;
 use crate::codes::c032::{ReferenceWiredTwice, WIRED_TWICE};
@@ -9,12 +11,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
 
+use super::across::processes;
 use super::endpoints::EndpointService;
 use super::meant::meant;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::{external, fan_out};
 use crate::finding::Findings;
-use crate::model::{DEFAULT_TIMEOUT_MS, Promoted, Transport, Wire};
+use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut joined = Joined::default();
@@ -131,6 +134,7 @@ fn wire<'w>(
     }
     external::check(wire, report);
     idle_keys(wire, report);
+    idle_within_process(scene, wire, report);
     if !answered && !wire.services.is_empty() {
         return;
     }
@@ -163,7 +167,13 @@ fn wire<'w>(
 
 /// Reports keys of retries and cancellations where there are none.
 fn idle_keys(wire: &Wire, report: &mut Report) {
-    let mut idle = |key, at, reason| report.found(IdleKey { key, at, reason });
+    let mut idle = |key, at, reason| {
+        report.found(IdleKey {
+            key: Cow::Borrowed(key),
+            at,
+            reason,
+        })
+    };
     let retry = wire.retry.as_ref();
     let attempts = retry.and_then(|it| it.attempts.as_ref());
     let attempts = attempts.filter(|it| it.value > 0);
@@ -183,6 +193,43 @@ fn idle_keys(wire: &Wire, report: &mut Report) {
         let reason = "a call without a reply does not time out";
         idle("cancel", cancel.span, reason);
     }
+}
+
+/// Reports keys of the way over a broker or a network on a wire within a process.
+fn idle_within_process(scene: &CheckedComposite<'_>, wire: &Wire, report: &mut Report) {
+    let binding = wire.binding.as_ref();
+    let is_local = binding.is_none_or(|it| it.value == Transport::Local);
+    if !is_local || wire.url.is_some() || is_across(scene, wire) {
+        return;
+    }
+    let mut idle = |key, at, reason| {
+        report.found(IdleKey {
+            key: Cow::Borrowed(key),
+            at,
+            reason,
+        });
+    };
+    if let Some(broker) = &wire.broker {
+        let reason = "the wire is within a process; `binding = \"amqp\"` leads over a broker";
+        idle("broker", broker.span, reason);
+    }
+    // over a broker or HTTP, this is the time in which a request without a reply finds its service
+    if let Some(timeout_ms) = wire.timeout_ms.as_ref().filter(|_| !waits(wire)) {
+        let reason = "within a process, a call without a reply takes no time";
+        idle("timeout_ms", timeout_ms.span, reason);
+    }
+}
+
+/// Returns whether a service of the wire is in another process than its caller. Components of a nested composite are in one
+/// process.
+fn is_across(scene: &CheckedComposite<'_>, wire: &Wire) -> bool {
+    let Some(deploy) = &scene.composite.deploy else {
+        return false;
+    };
+    let processes = processes(deploy);
+    let process = |end: &End| processes.get(end.component.value.as_str());
+    let mut services = wire.services.iter();
+    services.any(|service| process(service) != process(&wire.reference))
 }
 
 /// Returns whether the caller waits for a reply. Calls to several services are one-way.

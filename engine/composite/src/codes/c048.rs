@@ -1,8 +1,10 @@
+use std::borrow::Cow;
+
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Key without effect
 ///
-/// The key has an effect only together with another key, or for another type of connection.
+/// The key has an effect only together with another key, for another kind of element, or where something uses it.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -49,7 +51,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C048, warning)]
 #[error("`{key}` has no effect here")]
 pub(crate) struct IdleKey {
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     pub at: Span,
     pub reason: &'static str,
 }

@@ -1,6 +1,8 @@
 //! Merges a composite file with its base file and loaded property files into one tree, in which every key and value
 //! keeps its source location.
 
+use std::borrow::Cow;
+
 use crate::codes::c048::IdleKey;
 use crate::codes::c080::CircularInclusion;
 use crate::codes::c129::{Missing, NothingToLeaveOut};
@@ -46,7 +48,7 @@ impl Visit<'_, '_> {
         let Some(base) = text_at(&table, "base") else {
             if let Some(without) = table.get("without") {
                 self.report.found(IdleKey {
-                    key: "without",
+                    key: Cow::Borrowed("without"),
                     at: without.key.span,
                     reason: "a composite without `base` inherits nothing",
                 });
@@ -73,7 +75,7 @@ impl Visit<'_, '_> {
             if let Some(key) = OF_EACH_FILE.iter().find(|it| **it == path.value) {
                 let reason = "no file inherits this key from its base";
                 self.report.found(IdleKey {
-                    key,
+                    key: Cow::Borrowed(key),
                     at: path.span,
                     reason,
                 });

@@ -230,6 +230,9 @@ impl Flattener<'_, '_> {
         }
         let over_broker = promotion.over(Transport::Amqp);
         let over_broker = over_broker.map_or(Transport::Local, |it| it.value);
+        // on any other transport, `C048` reports it
+        let broker = promotion.broker.as_ref();
+        let broker = broker.filter(|_| over_broker == Transport::Amqp);
         let called = promotion.over(Transport::Http);
         let timeout_ms = promotion.timeout_ms.as_ref().map(|it| it.value);
         let timeout_ms = timeout_ms.unwrap_or(model::DEFAULT_TIMEOUT_MS);
@@ -238,7 +241,7 @@ impl Flattener<'_, '_> {
             name: promotion.name.value.clone(),
             inside,
             bindings,
-            broker: self.broker(0, over_broker, promotion.broker.as_ref()),
+            broker: self.broker(0, over_broker, broker),
             gateway: called.and_then(|_| self.gateway(promotion)),
             timeout_ms: called.map(|_| timeout_ms),
         });

@@ -259,11 +259,12 @@ impl ProgramComponent {
         ended.collect()
     }
 
-    /// Carries out the actions of a reply.
+    /// Carries out the actions of a reply. Its samples are this old: the program may have waited for the cycle.
     pub(super) fn carry_out(
         &mut self,
         cycle: &mut Cycle<'_>,
         done: &Datum,
+        age: Duration,
     ) -> Result<(), ProgramError> {
         for output in list_of(done, "outputs")? {
             let (name, sample) = pair(output, "outputs")?;
@@ -271,7 +272,7 @@ impl ProgramComponent {
                 return Err(undeclared("output", name));
             };
             let sample = fitting(schema, sample, &format!("a sample of output `{name}`"))?;
-            cycle.write(*port, sample);
+            cycle.write_aged(*port, sample, age);
         }
         for call in list_of(done, "calls")? {
             self.call(cycle, call)?;

@@ -75,6 +75,13 @@ impl ProgramSession {
         lock(&self.connection).log.take(limit)
     }
 
+    /// Returns for how long, at most, the program has waited for the present cycle because this process stood still. Zero in simulated
+    /// time.
+    pub(super) fn take_lateness(&self) -> Duration {
+        let watcher = self.watcher.as_ref();
+        watcher.map_or(Duration::ZERO, ProgramWatcher::take_lateness)
+    }
+
     /// Returns whether the program has requested a cycle during the last exchange.
     pub(super) fn take_wake(&self) -> bool {
         // in simulated time nothing outside of the system triggers a cycle

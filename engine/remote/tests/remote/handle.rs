@@ -110,7 +110,7 @@ fn j13_ports_are_written_read_and_watched_and_errors_have_types() {
     for way in ways {
         driver.write("commands", joints(way)).expect("an input");
         let seen = watch.next_within(PATIENCE).expect("a message");
-        assert_eq!(seen.and_then(|seen| seen.to()), Ok(joints(way)));
+        assert_eq!(seen.content.and_then(|seen| seen.to()), Ok(joints(way)));
     }
     assert_eq!(driver.read("status"), Ok(joints(ways[2])));
     let mut late = driver.watch("status").expect("an output");

@@ -63,7 +63,8 @@ fn the_last_command_that_another_robot_receives_is_the_safe_one() {
         connected.expect("a connection");
         let mut run = system.live();
         let mut next = |patience| {
-            let sample = status.next_within(patience)?.expect("a sample");
+            let sample = status.next_within(patience)?;
+            let sample = sample.content.expect("a sample");
             Some(sample.to::<Joints>().expect("joints").position)
         };
         assert_eq!(next(PATIENCE), Some(MOVES), "{order:?}");

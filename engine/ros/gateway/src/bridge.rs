@@ -239,13 +239,13 @@ impl RosBridge {
     fn write_messages(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
         for (inbound, receiver) in self.from_ros.iter_mut().zip(&mut open.receivers) {
             for message in receiver.take() {
-                match inbound.sample(&message) {
+                match inbound.sample(&message.content) {
                     Ok(sample) => {
                         let topics = inbound.mapped.joined_topics();
                         if let Some(echoes) = topics.and_then(|it| self.echoes.get_mut(&it)) {
                             echoes.written(&sample);
                         }
-                        cycle.write(inbound.port, sample);
+                        cycle.write_aged(inbound.port, sample, message.age);
                         inbound.traffic.pass(1, Instant::now());
                     }
                     Err(reason) => {

@@ -48,5 +48,5 @@ pub use ros1::{Ros1Settings, Ros1Transport};
 #[cfg(feature = "ros2")]
 pub use ros2::{Ros2Settings, Ros2Transport};
 pub use shown::{ComponentDisplay, ShownComponent};
-pub use transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+pub use transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
 pub use wake::Wake;

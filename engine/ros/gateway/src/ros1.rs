@@ -19,7 +19,7 @@ use crate::ros1_operations::{
 };
 use crate::ros1_parameters::Ros1Parameters;
 use crate::shown::{ComponentDisplay, ShownComponent};
-use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
 use crate::wake::Wake;
 
 /// Settings of a node of ROS 1.
@@ -229,12 +229,17 @@ struct Ros1Receiver {
 }
 
 impl MessageReceiver for Ros1Receiver {
-    fn take(&mut self) -> Vec<Datum> {
+    fn take(&mut self) -> Vec<RosMessage> {
         let arrived = std::iter::from_fn(|| self.subscription.try_next());
         let others = arrived.filter(|envelope| envelope.source != self.own);
         // the node has decoded them: what cannot be decoded is among its counts
         others
-            .filter_map(|envelope| envelope.payload.to_datum().ok())
+            .filter_map(|envelope| {
+                Some(RosMessage {
+                    content: envelope.payload.to_datum().ok()?,
+                    age: envelope.age,
+                })
+            })
             .collect()
     }
 

@@ -1,15 +1,17 @@
 //! Nodes of ROS 2.
 
+use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use asmotion_bus::TransitTimes;
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
 use asmotion_ros_interface::{Catalogue, InterfaceName};
 use asmotion_ros2::{
-    Durability, EndpointKind, Graph, Node, NodeOptions, Notice, Publisher, Qos, Reliability,
-    Subscription, SubscriptionOptions,
+    Durability, EndpointKind, Gid, Graph, Node, NodeOptions, Notice, Publisher, Qos, Received,
+    Reliability, Subscription, SubscriptionOptions,
 };
 
 use crate::desk::ComponentWatch;
@@ -22,7 +24,7 @@ use crate::ros2_operations::{
     Ros2GoalCaller, Ros2GoalServer, Ros2ServiceCaller, Ros2ServiceServer,
 };
 use crate::shown::{ComponentDisplay, ShownComponent};
-use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
 use crate::wake::Wake;
 
 /// Settings of a node of ROS 2.
@@ -140,7 +142,7 @@ impl RosConnection for Ros2Connection {
         };
         let subscription = self.node.subscription(&topic.ros, &of, options);
         let subscription = subscription.map_err(|error| error.to_string())?;
-        Ok(Box::new(Ros2Receiver(subscription)))
+        Ok(Box::new(Ros2Receiver::new(subscription)))
     }
 
     fn call(&mut self, of: &MappedOperation) -> Result<Box<dyn OperationCaller>, String> {
@@ -248,6 +250,9 @@ fn text(notice: &Notice, graph: &Graph) -> Option<String> {
             };
             format!("`{name}`: {both}: no messages pass between them (key `qos`)")
         }
+        Notice::Interrupted => "the process was stopped for a while, and this node of ROS 2 may receive nothing any more: configure \
+             the component again"
+            .to_owned(),
         Notice::Deadline { topic, deadline } => format!(
             "`{}`: no message within the deadline of {} ms",
             ros(topic),
@@ -292,21 +297,111 @@ impl MessageSender for Ros2Sender {
     }
 }
 
-struct Ros2Receiver(Subscription);
+struct Ros2Receiver {
+    subscription: Subscription,
+    transits: WriterTransits,
+}
+
+/// The times of transit of each writer, whose clock is compared with itself only.
+struct WriterTransits {
+    origin: Instant,
+    writers: BTreeMap<Gid, TransitTimes>,
+}
+
+/// Most writers whose times of transit are followed. Beyond it, all are forgotten, and the next message of each counts as new.
+const MOST_WRITERS: usize = 1024;
+
+impl Ros2Receiver {
+    fn new(subscription: Subscription) -> Self {
+        Self {
+            subscription,
+            transits: WriterTransits::beginning_at(Instant::now()),
+        }
+    }
+}
+
+impl WriterTransits {
+    fn beginning_at(origin: Instant) -> Self {
+        Self {
+            origin,
+            writers: BTreeMap::new(),
+        }
+    }
+
+    /// Time for which a message of this writer waited on its way, and since it arrived. `written` is the time of its writing, in
+    /// nanoseconds of the writer's clock.
+    fn age(
+        &mut self,
+        writer: Gid,
+        written: Option<u64>,
+        arrived: Instant,
+        now: Instant,
+    ) -> Duration {
+        let waiting = now.saturating_duration_since(arrived);
+        let Some(written) = written else {
+            return waiting;
+        };
+        if self.writers.len() >= MOST_WRITERS && !self.writers.contains_key(&writer) {
+            self.writers.clear();
+        }
+        let transit = self.writers.entry(writer).or_default();
+        // what arrived before this receiver was made counts as arriving then
+        transit.waited(written, self.origin, arrived.max(self.origin)) + waiting
+    }
+}
 
 impl MessageReceiver for Ros2Receiver {
-    fn take(&mut self) -> Vec<Datum> {
-        std::iter::from_fn(|| self.0.take())
-            .map(|received| received.message)
-            .collect()
+    fn take(&mut self) -> Vec<RosMessage> {
+        let mut messages = Vec::new();
+        while let Some(received) = self.subscription.take() {
+            let Received {
+                writer,
+                written,
+                arrived,
+                ..
+            } = received;
+            let age = self.transits.age(writer, written, arrived, Instant::now());
+            let content = received.message;
+            messages.push(RosMessage { content, age });
+        }
+        messages
     }
 
     fn losses(&self) -> Losses {
-        let counts = self.0.counts();
+        let counts = self.subscription.counts();
         Losses {
             // lost on the way, or because the bridge was too slow
             dropped: counts.dropped + counts.lost,
             misfits: counts.malformed,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_as_old_as_its_writer_shows_and_as_it_waited_here() {
+        let origin = Instant::now();
+        let at = |ms: u64| origin + Duration::from_millis(ms);
+        let mut transits = WriterTransits::beginning_at(origin);
+        let [near, far] = [Gid([1; 16]), Gid([2; 16])];
+        // a clock that is an hour ahead, and one that is behind
+        let mut age = |writer, written: Option<u64>, arrived, now| {
+            let ahead = if writer == near { 3_600_000 } else { 1 };
+            let written = written.map(|ms| (ms + ahead) * 1_000_000);
+            let age = transits.age(writer, written, at(arrived), at(now));
+            age.as_millis()
+        };
+        assert_eq!(age(near, Some(0), 2, 2), 0);
+        assert_eq!(age(far, Some(0), 40, 40), 0);
+        // written while the receiver stood still
+        assert_eq!(age(near, Some(1000), 4002, 4002), 3000);
+        // and taken late from the queue
+        assert_eq!(age(near, Some(4000), 4002, 4102), 100);
+        assert_eq!(age(far, Some(4000), 4050, 4050), 10);
+        // a writer that states no time
+        assert_eq!(age(far, None, 5000, 5200), 200);
     }
 }

@@ -1,6 +1,6 @@
 //! How a bridge reaches the nodes of ROS; each generation of ROS implements it.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
@@ -99,10 +99,19 @@ pub trait MessageSender: Send {
     fn losses(&self) -> Losses;
 }
 
+/// A message from ROS.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RosMessage {
+    /// The message, of the topic's schema in ROS.
+    pub content: Datum,
+    /// Time for which it is known to have waited on its way and in this process.
+    pub age: Duration,
+}
+
 /// Receives the messages of a topic.
 pub trait MessageReceiver: Send {
     /// Takes the messages that have arrived, the oldest first.
-    fn take(&mut self) -> Vec<Datum>;
+    fn take(&mut self) -> Vec<RosMessage>;
 
     /// Messages dropped, and messages that could not be decoded, so far.
     fn losses(&self) -> Losses;

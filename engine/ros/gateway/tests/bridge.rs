@@ -7,7 +7,7 @@ use asmotion_component::{Activity, Losses, Policy, Time};
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 use asmotion_ros_gateway::{
     MappedTopic, MessageReceiver, MessageSender, RosBridge, RosConnection, RosDirection,
-    RosTransport, Wake,
+    RosMessage, RosTransport, Wake,
 };
 use asmotion_runtime::{Log, Run, System};
 
@@ -100,8 +100,13 @@ impl MessageSender for Memory {
 }
 
 impl MessageReceiver for Memory {
-    fn take(&mut self) -> Vec<Datum> {
-        self.with(|state| std::mem::take(&mut state.arrived))
+    fn take(&mut self) -> Vec<RosMessage> {
+        let arrived = self.with(|state| std::mem::take(&mut state.arrived));
+        let new = |content| RosMessage {
+            content,
+            age: Duration::ZERO,
+        };
+        arrived.into_iter().map(new).collect()
     }
 
     fn losses(&self) -> Losses {

@@ -1,17 +1,20 @@
 //! A topic that the node subscribes to: a connection and a task for each publisher, and any number of observers.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::future::{Future as _, poll_fn};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
+use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use asmotion_bus::{Envelope, Payload, SubscriptionSender};
+use asmotion_bus::{Envelope, Payload, Standstills, SubscriptionSender};
 use asmotion_datum::ros1;
-use tokio::io::{AsyncWriteExt, BufReader};
+use tokio::io::{AsyncBufReadExt as _, AsyncWriteExt, BufReader};
 use tokio::net::TcpStream;
 use tokio::runtime::Handle;
 use tokio::task::AbortHandle;
+use tokio::task::coop::unconstrained;
 use tokio::time::{sleep, timeout};
 
 use crate::context::{Context, MasterAnswer, lock};
@@ -235,7 +238,9 @@ impl TopicSubscription {
             payload: Payload::Sample(Arc::new(asmotion_datum::Datum::Null)),
         };
         let mut is_reported = false;
+        let mut arrivals = Arrivals::new();
         loop {
+            arrivals.look(&mut stream).await;
             let message = read_frame(&mut stream, context.settings.limits.message).await;
             let message = message.map_err(|error| {
                 match error {
@@ -250,6 +255,7 @@ impl TopicSubscription {
             match ros1::decode(&message, &of.schema) {
                 Ok(datum) => {
                     envelope.stamp = now();
+                    envelope.age = arrivals.waited();
                     envelope.payload = Payload::Sample(Arc::new(datum));
                     self.pass_on(&envelope);
                 }
@@ -370,6 +376,39 @@ impl TopicSubscription {
             },
             there: stated(&node, header),
         })
+    }
+}
+
+/// The arrivals of a connection. Messages of ROS 1 contain no time of their sending, but arrive in order: one that was not there
+/// at a look came after it, and would have been read at once if this process had not stood still.
+struct Arrivals {
+    standstills: &'static Standstills,
+    /// Last time at which nothing was there.
+    empty_at: Instant,
+}
+
+impl Arrivals {
+    fn new() -> Self {
+        Self {
+            standstills: Standstills::of_process(),
+            empty_at: Instant::now(),
+        }
+    }
+
+    /// Looks whether a message, or a part of one, is there.
+    async fn look(&mut self, stream: &mut BufReader<TcpStream>) {
+        let now = Instant::now();
+        // beyond its budget, a task would find nothing
+        let mut filling = std::pin::pin!(unconstrained(stream.fill_buf()));
+        let is_empty = poll_fn(|context| Poll::Ready(filling.as_mut().poll(context).is_pending()));
+        if is_empty.await {
+            self.empty_at = now;
+        }
+    }
+
+    /// Longest time for which the message that was just read may have waited.
+    fn waited(&self) -> Duration {
+        self.standstills.waited(self.empty_at)
     }
 }
 

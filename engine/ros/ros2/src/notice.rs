@@ -58,6 +58,9 @@ pub enum Notice {
         /// The longest time between two messages.
         deadline: Duration,
     },
+    /// A wait of this node was interrupted, as when its process is stopped and goes on. RustDDS ends its threads then: the node
+    /// receives and sends nothing any more, and has to be started again.
+    Interrupted,
     /// A participant has left, or its lease has ended.
     Lost {
         /// The id of the participant's first 12 bytes, in hexadecimal digits.
@@ -76,7 +79,7 @@ impl Notice {
             Self::TypeHash { peer, .. } | Self::Type { peer, .. } | Self::Qos { peer, .. } => {
                 Some(*peer)
             }
-            Self::Deadline { .. } | Self::Lost { .. } => None,
+            Self::Deadline { .. } | Self::Interrupted | Self::Lost { .. } => None,
         }
     }
 }

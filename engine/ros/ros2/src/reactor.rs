@@ -12,10 +12,11 @@ use std::time::Duration;
 
 use rustdds::mio1::{Events, Interest, Poll, Registry, Token, Waker};
 use rustdds::no_key::SimpleDataReader;
-use rustdds::{DomainParticipant, SampleIdentity, StatusEvented};
+use rustdds::{DomainParticipant, SampleIdentity, StatusEvented, Timestamp};
 
 use crate::gid::Gid;
 use crate::graph::SharedGraph;
+use crate::notice::Notice;
 use crate::payload::{Payload, Raw};
 
 /// A message as it comes from DDS.
@@ -26,6 +27,8 @@ pub(crate) struct Incoming {
     pub writer: Gid,
     /// Its number, counted by the writer from 1.
     pub sequence: i64,
+    /// Time of its writing, in nanoseconds of the writer's clock.
+    pub written: Option<u64>,
     /// The request that it belongs to, in the mapping of DDS-RPC.
     pub related: Option<SampleIdentity>,
 }
@@ -115,7 +118,7 @@ impl Reactor {
         let (shared, graph) = (Arc::clone(&reactor), Arc::clone(graph));
         let thread = std::thread::Builder::new().name(format!("ros2 {name}"));
         let thread = thread.spawn(move || {
-            shared.run(poll, || {
+            let follow_discovery = || {
                 let mut changed = false;
                 while let Some(event) = status.try_recv_status() {
                     changed = true;
@@ -123,6 +126,9 @@ impl Reactor {
                 }
                 graph.wake_for_notices();
                 changed
+            };
+            shared.run(poll, follow_discovery, || {
+                graph.notice(Notice::Interrupted);
             });
         })?;
         Ok((reactor, thread))
@@ -183,7 +189,12 @@ impl Reactor {
         has_rest
     }
 
-    fn run(&self, mut poll: Poll, mut follow_discovery: impl FnMut() -> bool) {
+    fn run(
+        &self,
+        mut poll: Poll,
+        mut follow_discovery: impl FnMut() -> bool,
+        interrupted: impl Fn(),
+    ) {
         let mut events = Events::with_capacity(64);
         let mut entries: BTreeMap<Token, Entry> = BTreeMap::new();
         let mut full = Vec::new();
@@ -196,7 +207,10 @@ impl Reactor {
                 (true, false) => LONGEST,
             };
             let polled = poll.poll(&mut events, Some(sleep));
-            if polled.is_err_and(|error| error.kind() != io::ErrorKind::Interrupted) {
+            let problem = polled.err().map(|error| error.kind());
+            if problem == Some(io::ErrorKind::Interrupted) {
+                interrupted();
+            } else if problem.is_some() {
                 // without events the readers are polled at each tick
                 std::thread::sleep(TICK);
             }
@@ -238,6 +252,7 @@ impl Entry {
                 Ok(Some(change)) => self.sink.message(Incoming {
                     writer: change.writer_guid.into(),
                     sequence: change.sequence_number.into(),
+                    written: change.write_options.source_timestamp().map(nanoseconds),
                     related: change.write_options.related_sample_identity(),
                     payload: change.sample,
                 }),
@@ -247,4 +262,12 @@ impl Entry {
         }
         false
     }
+}
+
+/// The time in nanoseconds since 1970.
+fn nanoseconds(time: Timestamp) -> u64 {
+    /// Nanoseconds of a second, of which RTPS counts 2^-32 parts.
+    const SECOND: u128 = 1_000_000_000;
+    let ticks = u128::from(time.to_ticks());
+    u64::try_from((ticks * SECOND) >> 32).unwrap_or(u64::MAX)
 }

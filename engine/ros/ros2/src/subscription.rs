@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_datum::{Codec, Datum, Schema};
 
@@ -62,6 +62,10 @@ pub struct Received {
     pub writer: Gid,
     /// Its number, counted by the writer from 1.
     pub sequence: i64,
+    /// Time of its writing, in nanoseconds of the writer's clock; `None` if the writer does not state it.
+    pub written: Option<u64>,
+    /// Time at which this node received it.
+    pub arrived: Instant,
 }
 
 /// Receives the messages of a topic.
@@ -203,6 +207,8 @@ impl Sink for Decoder {
                     message,
                     writer,
                     sequence,
+                    written: incoming.written,
+                    arrived: Instant::now(),
                 });
                 if let Some(waker) = &self.waker {
                     waker();

@@ -101,6 +101,7 @@ fn a_type_or_quality_of_service_that_does_not_match_is_noticed() {
         Notice::TypeHash { .. }
         | Notice::Qos { .. }
         | Notice::Deadline { .. }
+        | Notice::Interrupted
         | Notice::Lost { .. } => false,
     };
     assert!(seen.iter().any(types), "{seen:?}");
@@ -111,6 +112,7 @@ fn a_type_or_quality_of_service_that_does_not_match_is_noticed() {
         Notice::TypeHash { .. }
         | Notice::Type { .. }
         | Notice::Deadline { .. }
+        | Notice::Interrupted
         | Notice::Lost { .. } => false,
     };
     assert!(seen.iter().any(qos), "{seen:?}");

@@ -9,7 +9,7 @@ use crate::protocol_text::{names_of, protocol_of};
 use asmotion_component::{CallError, Time};
 use asmotion_datum::{Datum, Sample, Schema};
 use asmotion_diagnostics::Loader;
-use asmotion_plan::{Component, End, Plan};
+use asmotion_plan::{Component, End, Part, Plan, Terminal};
 use asmotion_runtime::{Event, Observer};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -101,13 +101,14 @@ impl ComponentConformance {
 }
 
 impl ProtocolObserver {
-    /// Prepares to follow the components of a plan that have a protocol. `protocols` returns the text of the protocol that
-    /// comes with a component of the catalogue.
+    /// Prepares to follow the components of a part of a plan that have a protocol. `protocols` returns the text of the protocol
+    /// that comes with a component of the catalogue.
     ///
     /// # Errors
     /// A protocol has errors, or names something that its component does not have.
     pub fn new(
         plan: &Plan,
+        part: &Part,
         loader: &dyn Loader,
         protocols: &dyn Fn(&str) -> Option<String>,
     ) -> Result<Self, ModelError> {
@@ -118,14 +119,14 @@ impl ProtocolObserver {
             called: BTreeMap::new(),
             types: BTreeMap::new(),
         };
-        for component in &plan.components {
+        for component in plan.components.iter().filter(|it| part.has(&it.name)) {
             let Some(protocol) = protocol_of(component, protocols) else {
                 continue;
             };
             let (path, files) = protocol.files(loader);
             let mut acceptor =
                 ProtocolAcceptor::open(&component.name, &names_of(component), &path, &files)?;
-            observation.connect(plan, component);
+            observation.connect(plan, part, component);
             let found = ComponentConformance {
                 possible: acceptor.possible_events(),
                 ..ComponentConformance::default()
@@ -158,8 +159,8 @@ impl ProtocolObserver {
 }
 
 impl Observation {
-    /// Notes what the component receives from whom.
-    fn connect(&mut self, plan: &Plan, component: &Component) {
+    /// Notes what the component receives from whom. What a topic takes by the bus arrives when it comes back.
+    fn connect(&mut self, plan: &Plan, part: &Part, component: &Component) {
         let end = |name: &str| End {
             component: component.name.clone(),
             name: name.to_owned(),
@@ -171,7 +172,12 @@ impl Observation {
         }
         for port in &component.inputs {
             let input = end(&port.name);
-            for writer in writers(plan, &input).ends {
+            let ends = if part.takes_the_bus_inside() {
+                connected(plan, &input)
+            } else {
+                writers(plan, &input).ends
+            };
+            for writer in ends {
                 self.readers.entry(writer).or_default().push(input.clone());
             }
             let topics = plan.topics.iter();
@@ -217,6 +223,17 @@ impl Observation {
             cycle.sent.push(ObservedMessage { end, content });
         }
     }
+}
+
+/// The ports that write to an input port without a topic.
+fn connected(plan: &Plan, input: &End) -> Vec<End> {
+    let connections = plan.connections.iter();
+    let into = connections.filter(|it| it.to == Terminal::Port(input.clone()));
+    into.filter_map(|it| match &it.from {
+        Terminal::Port(from) => Some(from.clone()),
+        Terminal::Topic(_) | Terminal::Mqueue(_) => None,
+    })
+    .collect()
 }
 
 impl FollowedComponent {

@@ -13,7 +13,7 @@ const DRIFT: u32 = 5000;
 
 /// The fastest messages of a stream.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct TransitTimes {
+pub struct TransitTimes {
     /// The fastest message since the beginning of the window, and the one of the window before.
     fastest: [Option<FastestMessage>; 2],
 }
@@ -29,13 +29,13 @@ struct FastestMessage {
 
 impl TransitTimes {
     /// Returns whether a message has shown how the two clocks differ.
-    pub(crate) fn is_known(&self) -> bool {
+    pub fn is_known(&self) -> bool {
         self.fastest.iter().any(Option::is_some)
     }
 
     /// Returns how long a message waited that was sent at this time, in nanoseconds of the sender's clock, and has arrived
     /// now. The first message of a stream did not wait, as far as this can be seen.
-    pub(crate) fn waited(&mut self, sent: u64, origin: Instant, now: Instant) -> Duration {
+    pub fn waited(&mut self, sent: u64, origin: Instant, now: Instant) -> Duration {
         let offset = now.duration_since(origin).as_nanos() as i128 - i128::from(sent);
         let [current, previous] = &mut self.fastest;
         let window = match *current {
