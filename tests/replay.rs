@@ -478,6 +478,21 @@ fn a_recording_that_another_program_has_changed_is_different() {
             .contains("could not be compared"),
         "{one}"
     );
+    // without the first step, no other one can be repeated
+    let (code, objects) = change("middle");
+    let one = coordinator(&objects);
+    assert_eq!(
+        (code, &one["result"]),
+        (Some(2), &"unusable".into()),
+        "{one}"
+    );
+    assert!(
+        one["reason"]
+            .as_str()
+            .unwrap()
+            .contains("from the middle of the run"),
+        "{one}"
+    );
     let (code, objects) = change("frozen");
     let one = coordinator(&objects);
     assert_eq!(
