@@ -190,6 +190,50 @@ fn d3_both_processes_of_a_run_over_rabbitmq_repeat_their_steps() {
 }
 
 #[test]
+fn d3_two_specifications_that_talk_over_rabbitmq_repeat_their_messages() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let composite = navigation()
+        .with_file_name("courier")
+        .join("courier.composite.toml");
+    let processes = ["office", "street"];
+    let file = |process: &str| text(&folder.path().join(format!("{process}.mcap")));
+    let running = processes.map(|process| {
+        let mut command = through(run_any(&composite), &broker, &vhost, Some(process));
+        Running::start(command.arg("--record").arg(file(process)))
+    });
+    let until = Instant::now() + Duration::from_secs(60);
+    let jobs = || {
+        let (_, objects) = replay(&[&file("street"), "--until", "1000s"]);
+        let jobs = objects[0]["state"]["state"]["jobs"].as_str();
+        jobs.and_then(|jobs| jobs.parse().ok()).unwrap_or(0)
+    };
+    while jobs() < 2 {
+        assert!(Instant::now() < until, "the courier gets no reply");
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    assert!(
+        running
+            .into_iter()
+            .map(Running::interrupt)
+            .all(|it| it.status.success())
+    );
+    let (code, objects) = replay(&[&text(folder.path())]);
+    assert_eq!(code, Some(0), "{objects:?}");
+    let results = objects.iter().filter(|it| it["type"] == "coordinator");
+    let results: Vec<_> = results
+        .map(|it| (&it["component"], &it["result"], &it["complete"]))
+        .collect();
+    let equal = |name: &str| (Value::from(name), Value::from("equal"), Value::from(true));
+    let expected = [equal("Dispatcher"), equal("Courier")];
+    let expected: Vec<_> = expected.iter().map(|it| (&it.0, &it.1, &it.2)).collect();
+    assert_eq!(results, expected);
+}
+
+#[test]
 fn c18_a_specification_that_is_replaced_while_it_runs_repeats_with_both_versions() {
     let Some(broker) = asmotion_broker::calm() else {
         return;
@@ -476,6 +520,21 @@ fn a_recording_that_another_program_has_changed_is_different() {
             .as_str()
             .unwrap()
             .contains("could not be compared"),
+        "{one}"
+    );
+    // without the first step, no other one can be repeated
+    let (code, objects) = change("middle");
+    let one = coordinator(&objects);
+    assert_eq!(
+        (code, &one["result"]),
+        (Some(2), &"unusable".into()),
+        "{one}"
+    );
+    assert!(
+        one["reason"]
+            .as_str()
+            .unwrap()
+            .contains("from the middle of the run"),
         "{one}"
     );
     let (code, objects) = change("frozen");

@@ -97,7 +97,7 @@ impl Replay {
         }
         let replayed = groups.into_iter().map(|files| match files {
             Ok(files) => self.replay(&files, edited.as_ref()),
-            Err((path, error)) => RecordingOutcome::refused(path, error.to_string()),
+            Err((path, error)) => RecordingOutcome::refused(path, error),
         });
         let mut outcomes: Vec<_> = replayed.collect();
         outcome::accept_processes_without_coordinator(&mut outcomes);

@@ -90,7 +90,7 @@ impl Director for Chaos {
                 }
             }
             let pause = 50 + self.draw(900);
-            self.next = self.next + Duration::from_millis(pause);
+            self.next += Duration::from_millis(pause);
         }
         None
     }
@@ -229,7 +229,7 @@ impl Director for Nurse {
 
     fn act(&mut self, run: &mut dyn Run) -> Option<MissionOutcome> {
         while self.is_due(run.now()) {
-            self.0 = self.0 + Duration::from_millis(200);
+            self.0 += Duration::from_millis(200);
             if run.state("Stumbler") == Some(State::Exception) {
                 restart(run, "Stumbler");
             }

@@ -1,7 +1,8 @@
 """Copies a recording with the package `mcap`, which shares no code with asmotion, and changes the steps of a coordinator.
 
 `edit.py FROM TO MODE`, where MODE is `value` (the value of an update is another one), `forge` (the same, and all hashes are
-computed again), `remove` (a step is missing), `lose` (the same, and it is counted as lost), `frozen` (the first step continues from a
+computed again), `remove` (a step is missing), `lose` (the same, and it is counted as lost), `middle`
+(the same for the first step), `frozen` (the first step continues from a
 frozen state) or `foreign` (a file of another program)."""
 import hashlib, json, sys
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
@@ -36,7 +37,7 @@ with open(source, "rb") as file, open(target, "wb") as out:
         elif isinstance(record, Metadata):
             if mode != "foreign":
                 facts = dict(record.metadata)
-                if mode == "lose" and record.name == "asmotion.end":
+                if mode in ("lose", "middle") and record.name == "asmotion.end":
                     facts["lost"] = "1"
                     facts.update({name: "1" for name in facts if name.endswith(".lost")})
                 if mode == "forge" and record.name == "asmotion.end":
@@ -47,7 +48,7 @@ with open(source, "rb") as file, open(target, "wb") as out:
             topic, data = names[record.channel_id], record.data
             if topic.startswith("asm/"):
                 steps += 1
-                if mode in ("remove", "lose") and steps == 40:
+                if mode in ("remove", "lose") and steps == 40 or mode == "middle" and steps == 1:
                     continue
                 if mode in ("value", "forge"):
                     # the second step with an update of `mode`

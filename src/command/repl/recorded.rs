@@ -34,7 +34,7 @@ impl Repl {
         let read = RecordedMachines::read(files);
         let read = read.map_err(|error| usage(error.to_string(), terminal))?;
         let selected = self.select(&read).map_err(|error| usage(error, terminal))?;
-        let (machine, others) = selected;
+        let SelectedMachine { machine, others } = selected;
         let opened = match &self.spec {
             Some(path) => asmotion_lang::open(path, &DiskLoader),
             None => {
@@ -70,11 +70,8 @@ impl Repl {
         })
     }
 
-    /// Selects a machine. Returns also the numbers and times of the others.
-    fn select<'r>(
-        &self,
-        read: &'r RecordedMachines,
-    ) -> Result<(&'r RecordedMachine, Vec<(usize, i64)>), String> {
+    /// Selects a machine.
+    fn select<'r>(&self, read: &'r RecordedMachines) -> Result<SelectedMachine<'r>, String> {
         let names: Vec<&String> = read.machines.keys().collect();
         let listed = || {
             let names = names.iter().map(|name| format!("`{name}`"));
@@ -120,11 +117,18 @@ impl Repl {
         let others = (1..)
             .zip(machines)
             .filter(|(number, _)| *number != self.machine);
-        Ok((
+        Ok(SelectedMachine {
             machine,
-            others.map(|(number, it)| (number, it.time_ns)).collect(),
-        ))
+            others: others.map(|(number, it)| (number, it.time_ns)).collect(),
+        })
     }
+}
+
+/// A machine of a coordinator.
+struct SelectedMachine<'r> {
+    machine: &'r RecordedMachine,
+    /// Numbers of the other machines, with the times of their first steps.
+    others: Vec<(usize, i64)>,
 }
 
 /// Makes the machine send messages where the recorded one did.

@@ -54,12 +54,11 @@ fn print_recording(outcome: &RecordingOutcome, terminal: &mut TerminalOutput) {
         "{NAME}{path}{NAME:#}  {FAINT}{about}{FAINT:#}"
     ));
     if let Some(failure) = &outcome.failure {
-        match outcome.is_skipped {
-            true => terminal.result(format_args!(
-                "  {NOTE}skipped{NOTE:#}    this process has no coordinator"
-            )),
-            false => terminal.result(format_args!("  {BAD}unusable{BAD:#}   {failure}")),
-        }
+        terminal.result(if outcome.is_skipped {
+            format!("  {NOTE}skipped{NOTE:#}    this process has no coordinator")
+        } else {
+            format!("  {BAD}unusable{BAD:#}   {failure}")
+        });
     }
     for (name, one) in &outcome.coordinators {
         print_coordinator(name, one, terminal);

@@ -98,18 +98,19 @@ impl Export {
             MachineOrigin::Initial => false,
             MachineOrigin::Predecessor { .. } | MachineOrigin::Frozen => true,
         });
-        let is_first = match &self.form {
-            ExportForm::Scenario(steps) => steps.is_empty(),
-            ExportForm::Trace(trace) => trace.is_none(),
-            ExportForm::Csv(_) => true,
+        let has_steps = match &self.form {
+            ExportForm::Scenario(steps) => !steps.is_empty(),
+            ExportForm::Trace(trace) => trace.is_some(),
+            ExportForm::Csv(_) => false,
         };
+        let has_steps = has_steps || self.failed.is_some();
         let reason = if !cycle.messages.is_empty() {
             format!(
                 "messages of services arrived before {at}, which neither a scenario nor a trace contains"
             )
         } else if replaced {
             format!("the specification was replaced before {at}")
-        } else if !cycle.begins.is_empty() && !(is_first && self.failed.is_none()) {
+        } else if has_steps && !cycle.begins.is_empty() {
             format!("the specification began again before {at}")
         } else {
             return;

@@ -48,7 +48,7 @@ fn cases(outcomes: &[RecordingOutcome]) -> Vec<ReplayCase> {
             let difference = one.difference.as_ref();
             let message =
                 difference.map(|it| format!("different in {}", step(it.number, it.time_ns)));
-            let lines = difference.map(|it| words::difference(it));
+            let lines = difference.map(words::difference);
             let lines = lines.into_iter().flatten();
             let notes = one.notes.iter();
             let notes = notes.map(|(text, number)| format!("note: {text} (from step {number} on)"));

@@ -21,10 +21,11 @@ impl StepPair<'_> {
     /// places of updates if the specifications are different.
     pub fn effects(&self, new: &BTreeSet<String>, is_same: bool) -> Option<DifferenceKind> {
         let (recorded, replayed) = (self.recorded, self.replayed);
-        let has_same_fault = match is_same {
-            true => recorded.fault == replayed.fault,
+        let has_same_fault = if is_same {
+            recorded.fault == replayed.fault
+        } else {
             // a message names places and values, which may differ for one reason
-            false => recorded.fault.is_some() == replayed.fault.is_some(),
+            recorded.fault.is_some() == replayed.fault.is_some()
         };
         if !has_same_fault {
             return Some(DifferenceKind::Fault {

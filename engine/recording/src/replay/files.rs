@@ -33,7 +33,7 @@ pub struct RunItems {
 
 impl RunFiles {
     /// Groups files to recordings, in the order of their first files. Files that cannot be read are returned with the reason.
-    pub fn group(paths: &[PathBuf]) -> Vec<Result<Self, (PathBuf, RecordingError)>> {
+    pub fn group(paths: &[PathBuf]) -> Vec<Result<Self, (PathBuf, String)>> {
         let opened = paths.iter().map(|path| match RunReader::open(path) {
             Ok(reader) => Ok(Self {
                 path: path.clone(),
@@ -41,7 +41,7 @@ impl RunFiles {
                 facts: shared_facts(reader.facts()),
                 others: paths.to_vec(),
             }),
-            Err(error) => Err((path.clone(), error)),
+            Err(error) => Err((path.clone(), error.to_string())),
         });
         let opened: Vec<_> = opened.collect();
         let firsts: Vec<_> = opened.iter().flatten().filter(|it| it.part == 1).collect();

@@ -103,3 +103,40 @@ impl RecordedMachine {
         self.steps.push(frame.step(&cycle));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_takes_the_place_of_one_that_failed() {
+        let cycle = |number, fault: Option<&str>| RecordedCycle {
+            number,
+            fault: fault.map(str::to_owned),
+            messages: match fault {
+                Some(_) => vec![RecordedMessage::Channel { is_down: true }],
+                None => Vec::new(),
+            },
+            ..RecordedCycle::default()
+        };
+        let mut read = RecordedMachines::default();
+        let first = RecordedCycle {
+            begins: vec![MachineBegin::default()],
+            ..cycle(1, Some("an input was undef"))
+        };
+        for cycle in [
+            first,
+            cycle(1, None),
+            cycle(2, None),
+            cycle(3, Some("clash")),
+        ] {
+            read.add("A".to_owned(), &cycle);
+        }
+        let [machine] = read.machines["A"].as_slice() else {
+            panic!("one machine has begun");
+        };
+        let messages = machine.steps.iter().map(RecordedStep::has_messages);
+        // the first step finds the message that reached the machine before the failed one
+        assert_eq!(messages.collect::<Vec<_>>(), [true, false, true]);
+    }
+}
