@@ -3,7 +3,7 @@ import json, math, sys
 from pathlib import Path
 from rosbags.highlevel import AnyReader
 
-counts, last, first_stamp = {}, {}, None
+counts, last = {}, {}
 with AnyReader([Path(sys.argv[1])]) as reader:
     for connection, time, data in reader.messages():
         message = reader.deserialize(data, connection.msgtype)

@@ -14,6 +14,10 @@ pub(crate) trait Past: Send + Sync {
 }
 
 /// A moment that a tab shows.
+#[cfg_attr(
+    not(feature = "recording"),
+    allow(dead_code, reason = "this build has no run that is over")
+)]
 pub(crate) struct MomentRequest<'a> {
     /// Time of the run, in seconds.
     pub t: f64,
