@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use asmotion_diagnostics::{Report, Span};
 
 use super::codec;
-use super::scene::{CheckedComposite, nested};
+use super::scene::{CheckedComposite, nested, processes};
 use super::topic::{Role, Topics};
 use crate::finding::Findings;
-use crate::model::{Deploy, End, Terminal, Transport, Wire};
+use crate::model::{End, Terminal, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
     let Some(deploy) = &scene.composite.deploy else {
@@ -43,15 +43,6 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut 
     for (topic, roles) in topics {
         across.topic(topic, roles);
     }
-}
-
-/// Process name by component name.
-pub(super) fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
-    let placed = deploy.processes.iter().flat_map(|process| {
-        let components = process.components.iter();
-        components.map(|component| (component.value.as_str(), process.name.value.as_str()))
-    });
-    placed.collect()
 }
 
 /// Broker assigned to a component.

@@ -22,9 +22,6 @@ pub(super) fn check(
     reference: &EndpointService,
     report: &mut Report,
 ) {
-    if !super::waits(wire) && wire.services.len() < 2 {
-        return without_reply(part, &wire.reference.name.value, report);
-    }
     if wire.services.len() < 2 {
         return;
     }
@@ -39,7 +36,7 @@ pub(super) fn check(
 }
 
 /// Reports keys of bindings about the reply to a one-way call.
-fn without_reply(part: &CheckedComponent<'_>, reference: &str, report: &mut Report) {
+pub(super) fn without_reply(part: &CheckedComponent<'_>, reference: &str, report: &mut Report) {
     for call in part.bind.calls() {
         if call.operation.component.value != reference {
             continue;

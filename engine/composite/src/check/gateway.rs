@@ -11,8 +11,7 @@ use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::across::processes;
-use super::scene::CheckedComposite;
+use super::scene::{CheckedComposite, processes};
 use crate::at::At;
 use crate::finding::Findings;
 use crate::model::{Promoted, Promotion, Transport};

@@ -6,9 +6,8 @@ use std::collections::BTreeMap;
 use asmotion_datum::{Shape, Word as _};
 use asmotion_diagnostics::{Report, Span};
 
-use super::across::processes;
 use super::endpoints::PortDirection;
-use super::scene::CheckedComposite;
+use super::scene::{CheckedComposite, processes};
 use crate::at::At;
 use crate::codes::c004::MissingKey;
 use crate::codes::c044::QueueWithoutSize;

@@ -6,6 +6,7 @@ use crate::codes::c022::MissingBroker;
 use crate::codes::c025::ImplementationNotInBuild;
 use asmotion_diagnostics::Report;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use super::endpoints::{
     EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, find, nearest_service,
@@ -17,7 +18,7 @@ use crate::family::{Family, Member};
 use crate::finding::Findings;
 use crate::model::binding::Bind;
 use crate::model::{
-    Amount, Component, Composite, Delivery, End, Implementation, Terminal, Transport,
+    Amount, Component, Composite, Delivery, Deploy, End, Implementation, Terminal, Transport,
 };
 use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
@@ -50,6 +51,15 @@ pub fn nested(component: &Component) -> Option<&str> {
         Some(Implementation::Composite(file)) => Some(file),
         _ => None,
     }
+}
+
+/// Process name by component name.
+pub(super) fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
+    let placed = deploy.processes.iter().flat_map(|process| {
+        let components = process.components.iter();
+        components.map(|component| (component.value.as_str(), process.name.value.as_str()))
+    });
+    placed.collect()
 }
 
 fn names<'n>(named: impl Iterator<Item = &'n NamedAt>) -> Vec<String> {

@@ -11,10 +11,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::across::processes;
 use super::endpoints::EndpointService;
 use super::meant::meant;
-use super::scene::{CheckedComponent, CheckedComposite};
+use super::scene::{CheckedComponent, CheckedComposite, processes};
 use super::{external, fan_out};
 use crate::finding::Findings;
 use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
@@ -153,7 +152,11 @@ fn wire<'w>(
         scene.transport(wire.binding.as_ref(), report);
     }
     if let Some((part, reference)) = found {
-        fan_out::check(scene, wire, part, reference, report);
+        if waits(wire) || wire.services.len() > 1 {
+            fan_out::check(scene, wire, part, reference, report);
+        } else {
+            fan_out::without_reply(part, &wire.reference.name.value, report);
+        }
     }
     if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
         let (reference, at) = (wire.reference.to_string(), wire.reference.span());
