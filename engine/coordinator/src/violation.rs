@@ -31,7 +31,7 @@ pub struct ViolationRecord {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<ConditionRecord>,
     /// The property was violated in the step before, too.
-    #[serde(skip_serializing_if = "is_false")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_repeated: bool,
     /// Reaction to the violation.
     pub reaction: ViolationReaction,
@@ -64,14 +64,6 @@ pub enum ViolationReaction {
     Failed,
 }
 
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "the signature that serde calls"
-)]
-fn is_false(value: &bool) -> bool {
-    !value
-}
-
 impl fmt::Display for ViolationRecord {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(to, "step {} violates {} ", self.step, self.kind)?;
@@ -85,9 +77,9 @@ impl fmt::Display for ViolationRecord {
         if let Some(seconds) = self.late_after_s {
             write!(to, ", which has not happened within {seconds} s")?;
         }
-        let shown = |text: &str, holds: bool| match holds {
-            true => format!("`{text}`"),
-            false => format!("not `{text}`"),
+        let shown = |text: &str, holds: bool| {
+            let not = if holds { "" } else { "not " };
+            format!("{not}`{text}`")
         };
         let mut separator = ": ";
         for condition in &self.conditions {
