@@ -61,10 +61,11 @@ pub use fairness::{Fairness, Recurrent};
 pub use graph::{Graph, GraphBuilder};
 pub use lasso::{Lasso, PathStep};
 pub use ltl::Ltl;
-pub use monitor::{Monitor, MonitorState, MonitorVerdict, NotMonitorable};
+pub use monitor::{Monitor, MonitorState, MonitorVerdict};
 pub use past::Letter;
 pub use product::{check_ltl, check_ltl_while};
 pub use response::{ResponseMonitor, ResponseState};
+pub use safety::NotMonitorable;
 pub use satisfaction::{check_ctl, check_ctl_while, witness_ctl};
 pub use vacuity::{
     AtomOccurrence, Vacuity, check_ltl_with_vacuity, vacuity_ctl, vacuity_ctl_by, vacuity_ltl,

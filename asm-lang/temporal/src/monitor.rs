@@ -10,45 +10,13 @@
 
 use crate::ctl::Ctl;
 use crate::ltl::Ltl;
-use crate::past::{Conditions, Letter};
-use crate::safety::{self, SafetyNode};
+use crate::past::Letter;
+use crate::safety::{self, NotMonitorable, SafetyForm, SafetyNode};
 use std::collections::BTreeSet;
-
-/// The largest number of subformulas that can be pending. The number of alternatives is at most the largest number of sets none of
-/// which contains another (Sperner): 924 for 12.
-pub(crate) const MAX_PENDING: usize = 12;
-
-/// The reason for which a formula, or a part of it, cannot be monitored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
-pub enum NotMonitorable {
-    /// Something has to happen at some time.
-    #[error("something has to happen, but at no definite time, so that no finite run violates it")]
-    Liveness,
-    /// Something has to be possible.
-    #[error("something has to be possible, which one run cannot refute")]
-    Existence,
-    /// Nothing can violate it.
-    #[error("no run violates it")]
-    Trivial,
-    /// A past operator has an operand about the future.
-    #[error("a past operator has an operand about the future")]
-    PastOfFuture,
-    /// Too many subformulas can be pending.
-    #[error(
-        "it has more than {MAX_PENDING} temporal subformulas, or a number of steps that is too large"
-    )]
-    TooLarge,
-}
 
 /// A formula compiled for monitoring. It is immutable; [`MonitorState`] is what a run changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Monitor {
-    pub(crate) nodes: Vec<SafetyNode>,
-    pub(crate) conditions: Conditions,
-    pub(crate) root: usize,
-    /// Reasons for which parts of the formula are not watched.
-    pub(crate) unwatched: BTreeSet<NotMonitorable>,
-}
+pub struct Monitor(SafetyForm);
 
 /// What a monitor knows about the run so far.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,7 +44,7 @@ impl Monitor {
     /// # Errors
     /// No finite run violates it, or it is too large.
     pub fn of_ltl(formula: &Ltl) -> Result<Self, NotMonitorable> {
-        safety::monitor(formula, BTreeSet::new())
+        SafetyForm::of(formula, BTreeSet::new()).map(Self)
     }
 
     /// Compiles a formula of CTL. A run shows violations of those parts that are about all paths.
@@ -86,33 +54,33 @@ impl Monitor {
     pub fn of_ctl(formula: &Ctl) -> Result<Self, NotMonitorable> {
         let mut unwatched = BTreeSet::new();
         let linear = safety::linear(formula, true, &mut unwatched);
-        safety::monitor(&linear, unwatched)
+        SafetyForm::of(&linear, unwatched).map(Self)
     }
 
     /// The reasons for which parts of the formula are not watched; empty if all of it is.
     pub fn unwatched(&self) -> impl Iterator<Item = NotMonitorable> {
-        self.unwatched.iter().copied()
+        self.0.unwatched.iter().copied()
     }
 
     /// Returns `true` if the formula says what always holds, so that a monitor can begin anew after a violation.
     pub fn is_repeated(&self) -> bool {
-        matches!(self.nodes.get(self.root), Some(SafetyNode::Release(left, _))
-            if matches!(self.nodes.get(*left), Some(SafetyNode::Any(parts)) if parts.is_empty()))
+        matches!(self.0.nodes.get(self.0.root), Some(SafetyNode::Release(left, _))
+            if matches!(self.0.nodes.get(*left), Some(SafetyNode::Any(parts)) if parts.is_empty()))
     }
 
     /// Returns the state before the first position.
     pub fn begin(&self) -> MonitorState {
         MonitorState {
-            alternatives: vec![vec![self.root as u32]],
-            memory: self.conditions.memory(),
+            alternatives: vec![vec![self.0.root as u32]],
+            memory: self.0.conditions.memory(),
         }
     }
 
     /// Returns `true` if a state can be one of this monitor.
     pub fn fits(&self, state: &MonitorState) -> bool {
-        let nodes = self.nodes.len();
+        let nodes = self.0.nodes.len();
         let mut pending = state.alternatives.iter().flatten();
-        state.memory.len() == self.conditions.memory().len()
+        state.memory.len() == self.0.conditions.memory().len()
             && pending.all(|node| (*node as usize) < nodes)
     }
 
@@ -128,14 +96,16 @@ impl Monitor {
         let verdict = verdict(&alternatives);
         if verdict == MonitorVerdict::Violated && self.is_repeated() {
             // what the position itself demands of the next ones is kept
-            let anew = vec![vec![self.root as u32]];
+            let anew = vec![vec![self.0.root as u32]];
             alternatives = self.progressed(&anew, &state.memory, letter);
             if alternatives.is_empty() {
                 alternatives = anew;
             }
         }
-        let values = self.conditions.values(&state.memory, letter);
-        self.conditions.remember(&mut state.memory, &values, letter);
+        let values = self.0.conditions.values(&state.memory, letter);
+        self.0
+            .conditions
+            .remember(&mut state.memory, &values, letter);
         state.alternatives = alternatives;
         verdict
     }
@@ -147,10 +117,10 @@ impl Monitor {
         memory: &[bool],
         letter: Letter<'_>,
     ) -> Vec<Vec<u32>> {
-        let values = self.conditions.values(memory, letter);
-        let holds = |condition: usize| self.conditions.value(condition, &values, letter);
+        let values = self.0.conditions.values(memory, letter);
+        let holds = |condition: usize| self.0.conditions.value(condition, &values, letter);
         let mut progress = Progression {
-            nodes: &self.nodes,
+            nodes: &self.0.nodes,
             holds: &holds,
         };
         let mut result = Vec::new();

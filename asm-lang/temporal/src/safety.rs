@@ -3,9 +3,34 @@
 use crate::ctl::Ctl;
 use crate::formula::Formula;
 use crate::ltl::Ltl;
-use crate::monitor::{MAX_PENDING, Monitor, NotMonitorable};
 use crate::past::Conditions;
 use std::collections::BTreeSet;
+
+/// The largest number of subformulas that can be pending. The number of alternatives is at most the largest number of sets none of
+/// which contains another (Sperner): 924 for 12.
+const MAX_PENDING: usize = 12;
+
+/// The reason for which a formula, or a part of it, cannot be monitored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
+pub enum NotMonitorable {
+    /// Something has to happen at some time.
+    #[error("something has to happen, but at no definite time, so that no finite run violates it")]
+    Liveness,
+    /// Something has to be possible.
+    #[error("something has to be possible, which one run cannot refute")]
+    Existence,
+    /// Nothing can violate it.
+    #[error("no run violates it")]
+    Trivial,
+    /// A past operator has an operand about the future.
+    #[error("a past operator has an operand about the future")]
+    PastOfFuture,
+    /// Too many subformulas can be pending.
+    #[error(
+        "it has more than {MAX_PENDING} temporal subformulas, or a number of steps that is too large"
+    )]
+    TooLarge,
+}
 
 /// The largest number of steps of `AX` and `EX`.
 const MAX_STEPS: u32 = MAX_PENDING as u32;
@@ -24,44 +49,54 @@ pub(crate) enum SafetyNode {
     Release(usize, usize),
 }
 
-/// Compiles the safety part of a formula.
-///
-/// # Errors
-/// Nothing of it can be watched.
-pub(crate) fn monitor(
-    formula: &Ltl,
-    unwatched: BTreeSet<NotMonitorable>,
-) -> Result<Monitor, NotMonitorable> {
-    let mut builder = SafetyBuilder {
-        nodes: Vec::new(),
-        conditions: Conditions::default(),
-        unwatched,
-    };
-    let root = builder.node(&folded(formula), true);
-    if builder.unwatched.contains(&NotMonitorable::TooLarge) {
-        return Err(NotMonitorable::TooLarge);
-    }
-    if matches!(builder.nodes.get(root), Some(SafetyNode::All(parts)) if parts.is_empty()) {
-        let reason = builder.unwatched.first().copied();
-        return Err(reason.unwrap_or(NotMonitorable::Trivial));
-    }
-    let mut pending = BTreeSet::new();
-    for (index, node) in builder.nodes.iter().enumerate() {
-        match node {
-            SafetyNode::Next(operand) => pending.insert(*operand),
-            SafetyNode::Release(..) => pending.insert(index),
-            SafetyNode::Condition(..) | SafetyNode::All(_) | SafetyNode::Any(_) => false,
+/// The safety part of a formula.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct SafetyForm {
+    pub nodes: Vec<SafetyNode>,
+    pub conditions: Conditions,
+    /// Index of the whole formula.
+    pub root: usize,
+    /// Reasons for which parts of the formula are left out.
+    pub unwatched: BTreeSet<NotMonitorable>,
+}
+
+impl SafetyForm {
+    /// Compiles the safety part of a formula; `unwatched` are reasons for which parts of it have been left out before.
+    ///
+    /// # Errors
+    /// Nothing of it can be watched.
+    pub fn of(formula: &Ltl, unwatched: BTreeSet<NotMonitorable>) -> Result<Self, NotMonitorable> {
+        let mut builder = SafetyBuilder {
+            nodes: Vec::new(),
+            conditions: Conditions::default(),
+            unwatched,
         };
+        let root = builder.node(&folded(formula), true);
+        if builder.unwatched.contains(&NotMonitorable::TooLarge) {
+            return Err(NotMonitorable::TooLarge);
+        }
+        if builder.truth(root) == Some(true) {
+            let reason = builder.unwatched.first().copied();
+            return Err(reason.unwrap_or(NotMonitorable::Trivial));
+        }
+        let mut pending = BTreeSet::new();
+        for (index, node) in builder.nodes.iter().enumerate() {
+            match node {
+                SafetyNode::Next(operand) => pending.insert(*operand),
+                SafetyNode::Release(..) => pending.insert(index),
+                SafetyNode::Condition(..) | SafetyNode::All(_) | SafetyNode::Any(_) => false,
+            };
+        }
+        if pending.len() > MAX_PENDING {
+            return Err(NotMonitorable::TooLarge);
+        }
+        Ok(Self {
+            nodes: builder.nodes,
+            conditions: builder.conditions,
+            root,
+            unwatched: builder.unwatched,
+        })
     }
-    if pending.len() > MAX_PENDING {
-        return Err(NotMonitorable::TooLarge);
-    }
-    Ok(Monitor {
-        nodes: builder.nodes,
-        conditions: builder.conditions,
-        root,
-        unwatched: builder.unwatched,
-    })
 }
 
 /// Returns a formula of LTL that every path satisfies if the formula of CTL holds: without the path quantifiers, and without the

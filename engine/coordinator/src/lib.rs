@@ -26,7 +26,9 @@ mod step;
 mod takeover;
 mod terms;
 mod typed_input;
-mod watch;
+mod violation;
+mod watched_step;
+mod watcher;
 
 pub use bind_error::BindError;
 pub use binding::{
@@ -43,6 +45,5 @@ pub use recorded::{
 };
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
-pub use watch::{
-    ConditionRecord, GivenProperty, VIOLATION_REPORT, ViolationReaction, ViolationRecord, Watch,
-};
+pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
+pub use watcher::{GivenProperty, Watch};

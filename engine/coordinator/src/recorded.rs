@@ -1,7 +1,7 @@
 //! A cycle of a coordinator as it is recorded: the causes of its step, from which a machine repeats it, and the effects.
 
 use crate::step::{UpdateRecord, update_records};
-use crate::watch::ViolationRecord;
+use crate::violation::ViolationRecord;
 use asmotion_lang::Specification;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate::{self, RecordedMessage};

@@ -1,5 +1,5 @@
 //! Specifications as components.
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
 
 mod conversion;
 mod events;

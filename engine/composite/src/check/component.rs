@@ -137,7 +137,12 @@ fn watch(scene: &CheckedComposite<'_>, component: &Component, report: &mut Repor
     };
     let rule = watch.safe_rule.as_ref();
     let rule = rule.map(|rule| (rule, WatchedPart::SafeRule, specification.rule(&rule.value)));
+    let is_off = watch.temporal.as_ref().is_some_and(|it| !it.value);
     let properties = watch.properties.iter().map(|it| {
+        if is_off {
+            let reason = "no property is watched with `temporal = false`".to_owned();
+            return (&it.property, WatchedPart::Unwatched, Err(reason));
+        }
         let found = match specification.term(&it.property.value) {
             Ok(Some(Codomain::Boolean) | None) => Ok(()),
             Ok(Some(found)) => Err(format!("a property is Boolean, not {}", found.name())),

@@ -2,7 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Invalid safe rule or property under `watch`
 ///
-/// The safe rule is a rule, and a property is a Boolean term, in the scope of the specification.
+/// The safe rule is a rule, and a property is a Boolean term, in the scope of the specification. With `temporal = false`, no property is
+/// watched.
 ///
 /// ```asm
 /// asm example
@@ -61,13 +62,15 @@ pub(crate) struct InvalidWatch {
 pub(crate) enum WatchedPart {
     SafeRule,
     Property,
+    /// A property beside `temporal = false`.
+    Unwatched,
 }
 
 impl WatchedPart {
     fn name(self) -> &'static str {
         match self {
             Self::SafeRule => "safe rule",
-            Self::Property => "property",
+            Self::Property | Self::Unwatched => "property",
         }
     }
 }
@@ -78,6 +81,9 @@ impl Finding for InvalidWatch {
             WatchedPart::SafeRule => diagnostic
                 .label(self.at, "not a rule of the specification")
                 .help("write a rule as in a rule of the specification, such as `r_stop[]`"),
+            WatchedPart::Unwatched => diagnostic
+                .label(self.at, "has no effect")
+                .help("remove the property, or `temporal = false`"),
             WatchedPart::Property => diagnostic
                 .label(self.at, "not a property of the specification")
                 .help("write a condition, or import CTLLibrary or LTLLibrary in the specification and write a formula"),

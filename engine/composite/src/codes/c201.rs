@@ -33,10 +33,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// bind.monitored = { estop = { value = false } }
 /// ```
 ///
-/// A property about the state is watched in every step. With a time in a comment `//@Within`, so is one about what follows:
+/// Corrected, something that has to happen within a time:
 ///
-/// ```asm
-/// asm timed
+/// ```asm corrected
+/// asm example
 /// import StandardLibrary
 /// import CTLLibrary
 /// signature:
@@ -49,18 +49,6 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = moving := not estop
 /// default init s0:
 ///   function moving = false
-/// ```
-///
-/// ```toml corrected
-/// schema = "composite/1"
-///
-/// [composite]
-/// name = "example"
-///
-/// [components.Guard]
-/// implementation = { asm = "timed.asm" }
-/// activity = { period_ms = 100 }
-/// bind.monitored = { estop = { value = false } }
 /// ```
 ///
 /// `verify` of the component proves the others before it starts: the warning then disappears.

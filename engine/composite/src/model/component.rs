@@ -215,7 +215,7 @@ impl Verify {
     resolved = PlannedWatch
 )]
 pub struct Watch {
-    /// Watch temporal properties. Invariants are always checked.
+    /// Watch temporal properties: those of the specification, and `properties`. Invariants are always checked.
     #[key(default = true)]
     pub temporal: Option<At<bool>>,
     /// Rule of the specification that makes a step in place of the main rule, if the step would violate a property.

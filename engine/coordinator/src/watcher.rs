@@ -1,0 +1,189 @@
+//! Watches the properties of a specification.
+
+use crate::bind_error::BindError;
+use crate::recorded::ReplacedStep;
+use crate::violation::{ConditionRecord, ViolationRecord};
+use asmotion_lang::ir::AddedRule;
+use asmotion_lang::machine::{Machine, StepFault};
+use asmotion_lang::{FaultKind, Specification};
+use asmotion_verify::{Monitors, PropertyKind, PropertyViolation};
+use std::collections::BTreeSet;
+
+pub use asmotion_verify::GivenProperty;
+
+/// The properties to watch, and the reaction to violations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Watch {
+    /// Neither the temporal properties of the specification nor `properties` are watched. Invariants are always checked.
+    pub is_off: bool,
+    /// A rule in the scope of the specification, as in `r_halt[IDLE]`, that replaces the main rule in a step that violates a
+    /// property.
+    pub safe_rule: Option<String>,
+    /// Properties in addition to those of the specification.
+    pub properties: Vec<GivenProperty>,
+}
+
+/// Watches the properties of a specification.
+pub(crate) struct Watcher {
+    pub monitors: Monitors,
+    pub safe_rule: Option<SafeRule>,
+    /// Invariants that were violated in the last step.
+    pub violated_invariants: BTreeSet<usize>,
+}
+
+pub(crate) struct SafeRule {
+    pub text: String,
+    pub rule: AddedRule,
+}
+
+/// A step that was made or failed, with what it violated.
+#[derive(Default)]
+pub(crate) struct WatchedStep {
+    pub failure: Option<StepFailure>,
+    pub violations: Vec<ViolationRecord>,
+    /// The step that the safe rule replaced.
+    pub replaced: Option<ReplacedStep>,
+}
+
+/// The reason for which a step failed.
+pub(crate) enum StepFailure {
+    Fault(Box<StepFault>),
+    /// The step of the safe rule violates these properties, too.
+    Unsafe(Vec<String>),
+}
+
+impl Watcher {
+    /// Adds the properties and the safe rule to a specification.
+    ///
+    /// # Errors
+    /// One of them does not fit the specification.
+    pub fn new(specification: &mut Specification, watch: &Watch) -> Result<Self, BindError> {
+        let safe_rule = match &watch.safe_rule {
+            Some(text) => Some(SafeRule {
+                rule: add_rule(specification, text)?,
+                text: text.clone(),
+            }),
+            None => None,
+        };
+        let monitors = if watch.is_off {
+            Ok(Monitors::default())
+        } else {
+            Monitors::of(specification, &watch.properties)
+        };
+        let monitors = monitors.map_err(|report| BindError::InvalidProperty {
+            reason: first_message(&report),
+        })?;
+        // those of the specification may be there for its verification
+        if let Some(given) = monitors.unwatched().iter().find(|it| it.at.is_none()) {
+            return Err(BindError::InvalidProperty {
+                reason: format!("a run cannot watch `{}`: {}", given.text, given.reason),
+            });
+        }
+        Ok(Self {
+            monitors,
+            safe_rule,
+            violated_invariants: BTreeSet::new(),
+        })
+    }
+
+    /// Begins again, with a machine in its initial state.
+    pub fn begin(&mut self) {
+        self.monitors.begin();
+        self.violated_invariants.clear();
+    }
+
+    pub fn record(
+        &self,
+        specification: &Specification,
+        found: &PropertyViolation,
+    ) -> ViolationRecord {
+        let Some(property) = self.monitors.watched().get(found.property) else {
+            return ViolationRecord::default();
+        };
+        let late = property.within_ns.filter(|_| found.is_late);
+        let conditions = found.conditions.iter().map(|condition| ConditionRecord {
+            text: condition.text.clone(),
+            before: condition.before,
+            after: condition.after,
+        });
+        ViolationRecord {
+            specification: specification.model.name.to_string(),
+            kind: word(property.kind).to_owned(),
+            name: property.name.clone(),
+            property: property.text.clone(),
+            place: property.place.clone(),
+            late_after_s: late.map(|ns| ns as f64 / 1e9),
+            conditions: conditions.collect(),
+            is_repeated: !found.is_new,
+            ..ViolationRecord::default()
+        }
+    }
+}
+
+/// Adds a rule to a specification.
+fn add_rule(specification: &mut Specification, text: &str) -> Result<AddedRule, BindError> {
+    let invalid = |report: &asmotion_lang::Report| BindError::InvalidRule {
+        rule: text.to_owned(),
+        reason: first_message(report),
+    };
+    let file = specification.sources.add("<safe rule>", text);
+    let rule = asmotion_lang::syntax::parse_rule(file, text).map_err(|report| invalid(&report))?;
+    let added = specification.model.add_rule(&rule);
+    let added = added.map_err(|report| invalid(&report))?;
+    specification.lower().map_err(|report| invalid(&report))?;
+    Ok(added)
+}
+
+fn first_message(report: &asmotion_lang::Report) -> String {
+    let first = report.diagnostics.first();
+    first.map(|it| it.message.clone()).unwrap_or_default()
+}
+
+/// The keyword of a property.
+pub(crate) fn word(kind: PropertyKind) -> &'static str {
+    match kind {
+        PropertyKind::Ctl => "CTLSPEC",
+        PropertyKind::Ltl => "LTLSPEC",
+        PropertyKind::Constraint => "INVAR",
+        PropertyKind::Invariant
+        | PropertyKind::Possible
+        | PropertyKind::NoFault
+        | PropertyKind::NotStuck
+        | PropertyKind::RulesRun => "invariant",
+    }
+}
+
+impl WatchedStep {
+    /// Returns `true` if the step failed for another reason than an invariant, so that there is nothing to replace.
+    pub fn is_over(&self) -> bool {
+        let Some(StepFailure::Fault(fault)) = &self.failure else {
+            return false;
+        };
+        !matches!(fault.kind, FaultKind::Invariant { .. })
+    }
+}
+
+/// The way back from a step.
+pub(crate) enum StepUndo {
+    /// The machine reverts its last step.
+    Revert,
+    /// A copy of the machine before the step.
+    Copy(Box<Machine>),
+}
+
+impl StepUndo {
+    pub fn before(machine: &Machine) -> Self {
+        if machine.can_revert() {
+            Self::Revert
+        } else {
+            Self::Copy(Box::new(machine.clone()))
+        }
+    }
+
+    pub fn apply(self, machine: &mut Machine) {
+        match self {
+            Self::Revert => machine.revert(),
+            Self::Copy(copy) => *machine = *copy,
+        }
+    }
+}
