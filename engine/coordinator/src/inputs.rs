@@ -11,11 +11,12 @@ use crate::convert::{literal_value, value_of};
 use crate::event_queue::EventQueue;
 use crate::frame::InputFrame;
 use crate::location::LocationName;
+use crate::misfit::{MisfitCauses, domain_text, shown};
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
 use asmotion_component::{BufferKind, Cycle, Flow, In, Losses, Time};
-use asmotion_datum::Datum;
+use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{AddedTerm, FunctionId, Program, ValueShape};
 use asmotion_lang::machine::{Machine, StepFault};
@@ -53,6 +54,8 @@ pub(crate) struct BoundInput {
     pub reported_key: bool,
     /// A message that waited too long has been reported.
     pub reported_expiry: bool,
+    /// Causes for which messages have been refused, and which have been reported.
+    pub causes: MisfitCauses,
 }
 
 /// The values that fields of messages must have.
@@ -192,6 +195,7 @@ impl MessageInputs {
             locations: Vec::new(),
             reported_key: false,
             reported_expiry: false,
+            causes: MisfitCauses::default(),
         };
         self.add(input, name, frame)?;
         Ok(EventTarget {
@@ -272,7 +276,7 @@ impl MessageInputs {
         }
     }
 
-    /// Handles the messages of the cycle. Returns a notice about the first message of each input whose key selects no
+    /// Handles the messages of the cycle. Returns notices about messages that do not fit, about the first message of each input whose key selects no
     /// element, about the first one that is refused, about the first one that waited too long, and about messages that are gone
     /// with their connection.
     pub fn receive(
@@ -283,6 +287,7 @@ impl MessageInputs {
         program: &Program,
     ) -> Vec<String> {
         let mut notices = Vec::new();
+        let mut checked = Vec::new();
         for input in &mut self.inputs {
             let (port, mut dropped) = (input.from.port(), 0);
             if let Some(port) = port {
@@ -311,15 +316,37 @@ impl MessageInputs {
                     (received, received.last())
                 }
             };
-            let newest = newest.map(std::slice::from_ref).unwrap_or_default();
-            let messages = if input.takes_newest() {
-                newest
+            // where only the newest message counts, it is the newest one that fits: no other one may hide it
+            let only_newest = input.takes_newest();
+            let count = if only_newest {
+                messages.len().max(newest.iter().len())
             } else {
-                messages
+                messages.len()
             };
-            for (position, message) in messages.iter().enumerate() {
+            for nth in 0..count {
+                let (position, message) = match (only_newest, newest) {
+                    (false, _) => (nth, messages.get(nth)),
+                    (true, newest) if nth == 0 => (nth, newest),
+                    (true, _) => (
+                        nth,
+                        messages
+                            .len()
+                            .checked_sub(nth + 1)
+                            .and_then(|at| messages.get(at)),
+                    ),
+                };
+                let Some(message) = message else { break };
                 let expiry = expiries.get(position).copied().flatten();
-                let message = typed.map_or(Cow::Borrowed(message), |it| it.completed(message));
+                let message =
+                    match typed.map_or(Ok(Cow::Borrowed(message)), |it| it.fitting(message)) {
+                        Ok(message) => message,
+                        Err(error) => {
+                            // a port is bound to several functions, but has one type
+                            self.losses.misfits += u64::from(!checked.contains(&port));
+                            notices.extend(input.mistyped(typed, &error, message));
+                            continue;
+                        }
+                    };
                 let message = &*message;
                 match input.take(message, cycle.now(), queue, expiry, program) {
                     Taken::Yes => {}
@@ -328,7 +355,12 @@ impl MessageInputs {
                         self.losses.misfits += 1;
                         notices.extend(input.refused(message, program));
                     }
-                    Taken::Misfit => self.losses.misfits += 1,
+                    Taken::Misfit => {
+                        self.losses.misfits += 1;
+                        let typed = typed.map(|it| &*it.name);
+                        notices.extend(input.misfit(typed, message, requests, program));
+                        continue;
+                    }
                     Taken::UnknownKey => {
                         self.losses.misfits += 1;
                         if !std::mem::replace(&mut input.reported_key, true) {
@@ -336,7 +368,11 @@ impl MessageInputs {
                         }
                     }
                 }
+                if only_newest {
+                    break;
+                }
             }
+            checked.push(port);
             self.losses.dropped += dropped;
             match port {
                 Some(port) => cycle.count_lost(port, dropped),
@@ -446,7 +482,11 @@ impl BoundInput {
             None => Ok(Value::Undef),
             Some(it) => value_of(&it.datum, shape, program).ok_or_else(|| BindError::NotAValue {
                 function: monitored.location.to_string(),
-                value: format!("{it:?}"),
+                value: if it.secret {
+                    format!("{it:?}")
+                } else {
+                    it.datum.to_string()
+                },
             }),
         };
         let none = constant(match &monitored.from {
@@ -475,6 +515,7 @@ impl BoundInput {
             locations: Vec::new(),
             reported_key: false,
             reported_expiry: false,
+            causes: MisfitCauses::default(),
         })
     }
 
@@ -630,6 +671,47 @@ impl BoundInput {
         ))
     }
 
+    /// Describes a message that is not of the type of its port.
+    fn mistyped(
+        &mut self,
+        port: Option<&TypedInput>,
+        error: &DatumError,
+        message: &Datum,
+    ) -> Option<String> {
+        let TypedInput { name, schema, .. } = port?;
+        self.causes.new_cause(|| {
+            let found = shown(message);
+            format!("`{name}` (`{schema}`) refuses a message: {error}; found {found}")
+        })
+    }
+
+    /// Describes a message whose value is not one of the function.
+    fn misfit(
+        &mut self,
+        port: Option<&str>,
+        message: &Datum,
+        requests: &Requests,
+        program: &Program,
+    ) -> Option<String> {
+        let (field, function) = (self.field.as_deref(), self.name(program).to_owned());
+        let domain = domain_text(&self.located.codomain, program);
+        let from = match (port, self.from) {
+            (Some(port), _) => format!("`{port}` refuses a message"),
+            (None, MessageOrigin::Requests(position)) => {
+                let operation = requests.served.get(position).map(|it| &it.operation);
+                let operation = operation.map_or_else(String::new, ToString::to_string);
+                format!("`{operation}` refuses a request")
+            }
+            (None, _) => return None,
+        };
+        let part = field.map_or(Some(Cow::Borrowed(message)), |field| message.get(field));
+        let field = field.map_or_else(String::new, |field| format!(" in `{field}`"));
+        self.causes.new_cause(|| {
+            let found = part.map_or_else(|| "nothing".to_owned(), |part| shown(&part));
+            format!("{from}: `{function}` is of the domain {domain}, found {found}{field}")
+        })
+    }
+
     /// Describes the first messages that waited too long.
     fn expired(&mut self, count: u64, program: &Program) -> Option<String> {
         if count == 0 || std::mem::replace(&mut self.reported_expiry, true) {
@@ -648,7 +730,7 @@ impl BoundInput {
     fn unknown_key(&self, message: &Datum, program: &Program) -> String {
         let fields = self.located.key.iter().map(|field| {
             let found = message.get(&field.path);
-            let found = found.map_or_else(|| "nothing".to_owned(), |it| format!("{it:?}"));
+            let found = found.map_or_else(|| "nothing".to_owned(), |it| shown(&it));
             format!("`{}` is {found}", field.path)
         });
         format!(
