@@ -4,6 +4,7 @@ use crate::coordinator::Coordinator;
 use crate::effects::PendingOutcome;
 use crate::event_queue::{EventQueue, WaitingEvent};
 use crate::inputs::{BoundInput, InputLocation};
+use crate::misfit::MisfitCauses;
 use crate::partners::PartnerCall;
 use crate::recorded::MachineOrigin;
 use crate::requests::WaitingCaller;
@@ -50,6 +51,9 @@ struct FrozenCoordinator {
     /// Requests not yet answered by the machine: message, operation, request.
     requests: Vec<(u64, usize, RequestId)>,
     monitors: MonitorsState,
+    /// Causes for which requests have been refused, and which have been reported.
+    #[serde(default)]
+    refused_requests: MisfitCauses,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -66,6 +70,9 @@ struct FrozenInput {
     reported_refusal: bool,
     /// Number of messages lost on the way to the port before the last step.
     lost: u64,
+    /// Causes for which messages have been refused, and which have been reported.
+    #[serde(default)]
+    causes: MisfitCauses,
 }
 
 /// An input location.
@@ -138,6 +145,7 @@ impl FrozenInput {
                 .collect(),
             reported_refusal: input.matching.as_ref().is_some_and(|it| it.reported),
             lost: input.lost.before,
+            causes: input.causes.clone(),
         }
     }
 }
@@ -163,6 +171,7 @@ struct ThawedInput {
     expected: Option<Datum>,
     reported_refusal: bool,
     lost: u64,
+    causes: MisfitCauses,
 }
 
 /// Decoded state of an input location.
@@ -183,6 +192,7 @@ impl ThawedInput {
             expected: frozen.expected.first().cloned(),
             reported_refusal: frozen.reported_refusal,
             lost: frozen.lost,
+            causes: frozen.causes.clone(),
         })
     }
 
@@ -194,6 +204,7 @@ impl ThawedInput {
         input.reported_key = self.reported_key;
         input.reported_expiry = self.reported_expiry;
         input.lost.before = self.lost;
+        input.causes = self.causes;
         if let Some(condition) = &mut input.matching {
             condition.expected = self.expected;
             condition.reported = self.reported_refusal;
@@ -264,6 +275,7 @@ impl Coordinator {
                 .map(|(message, served, request)| (message.0, *served, *request))
                 .collect(),
             monitors: self.watcher.monitors.state(),
+            refused_requests: self.partners.causes.clone(),
         };
         FrozenState::of(COMPONENT, VERSION, &state)
     }
@@ -316,6 +328,7 @@ impl Coordinator {
         let message = |(message, served, request)| (MessageId(message), served, request);
         self.partners.requests = requests.map(message).collect();
         self.partners.calls = calls;
+        self.partners.causes = frozen.refused_requests;
         self.outbox.pending = outcomes;
         self.outbox.kept = frozen.kept;
         self.outbox.published = frozen.published;

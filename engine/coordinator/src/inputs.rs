@@ -15,6 +15,7 @@ use crate::convert::literal_value;
 use crate::event_queue::EventQueue;
 use crate::frame::InputFrame;
 use crate::location::LocationName;
+use crate::misfit::MisfitCauses;
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
@@ -131,6 +132,7 @@ impl MessageInputs {
             locations: Vec::new(),
             reported_key: false,
             reported_expiry: false,
+            causes: MisfitCauses::default(),
         };
         self.add(input, name, frame)?;
         Ok(EventTarget {
@@ -211,9 +213,9 @@ impl MessageInputs {
         }
     }
 
-    /// Handles the messages of the cycle. Returns a notice about the first message of each input whose key selects no
-    /// element, about the first one that is refused, about the first one that waited too long, and about messages that are gone
-    /// with their connection.
+    /// Handles the messages of the cycle. Returns notices about messages that do not fit, about the first message of each input
+    /// whose key selects no element, about the first one that is refused, about the first one that waited too long, and about
+    /// messages that are gone with their connection.
     pub fn receive(
         &mut self,
         cycle: &mut Cycle<'_>,
@@ -222,6 +224,7 @@ impl MessageInputs {
         program: &Program,
     ) -> Vec<String> {
         let mut notices = Vec::new();
+        let mut checked = Vec::new();
         for input in &mut self.inputs {
             let (port, mut dropped) = (input.from.port(), 0);
             if let Some(port) = port {
@@ -250,15 +253,37 @@ impl MessageInputs {
                     (received, received.last())
                 }
             };
-            let newest = newest.map(std::slice::from_ref).unwrap_or_default();
-            let messages = if input.takes_newest() {
-                newest
+            // where only the newest message counts, it is the newest one that fits: no other one may hide it
+            let only_newest = input.takes_newest();
+            let count = if only_newest {
+                messages.len().max(newest.iter().len())
             } else {
-                messages
+                messages.len()
             };
-            for (position, message) in messages.iter().enumerate() {
+            for nth in 0..count {
+                let (position, message) = match (only_newest, newest) {
+                    (false, _) => (nth, messages.get(nth)),
+                    (true, newest) if nth == 0 => (nth, newest),
+                    (true, _) => (
+                        nth,
+                        messages
+                            .len()
+                            .checked_sub(nth + 1)
+                            .and_then(|at| messages.get(at)),
+                    ),
+                };
+                let Some(message) = message else { break };
                 let expiry = expiries.get(position).copied().flatten();
-                let message = typed.map_or(Cow::Borrowed(message), |it| it.completed(message));
+                let message =
+                    match typed.map_or(Ok(Cow::Borrowed(message)), |it| it.fitting(message)) {
+                        Ok(message) => message,
+                        Err(error) => {
+                            // a port is bound to several functions, but has one type
+                            self.losses.misfits += u64::from(!checked.contains(&port));
+                            notices.extend(input.mistyped(typed, &error, message));
+                            continue;
+                        }
+                    };
                 let message = &*message;
                 match input.take(message, cycle.now(), queue, expiry, program) {
                     Taken::Yes => {}
@@ -267,7 +292,12 @@ impl MessageInputs {
                         self.losses.misfits += 1;
                         notices.extend(input.refused(message, program));
                     }
-                    Taken::Misfit => self.losses.misfits += 1,
+                    Taken::Misfit => {
+                        self.losses.misfits += 1;
+                        let typed = typed.map(|it| &*it.name);
+                        notices.extend(input.misfit(typed, message, requests, program));
+                        continue;
+                    }
                     Taken::UnknownKey => {
                         self.losses.misfits += 1;
                         if !std::mem::replace(&mut input.reported_key, true) {
@@ -275,7 +305,11 @@ impl MessageInputs {
                         }
                     }
                 }
+                if only_newest {
+                    break;
+                }
             }
+            checked.push(port);
             self.losses.dropped += dropped;
             match port {
                 Some(port) => cycle.count_lost(port, dropped),

@@ -18,6 +18,7 @@ mod frame;
 mod freeze;
 mod inputs;
 mod location;
+mod misfit;
 mod partners;
 mod recorded;
 mod requests;

@@ -6,8 +6,10 @@
 
 use crate::convert::{datum_of, value_of};
 use crate::cycle_recorder::CycleRecorder;
+use crate::misfit::{MisfitCauses, domain_text, shown};
 use asmotion_component::{
-    CallError, CallId, Cycle, Dynamic, Interface, Provided, RequestId, Required, ServiceFault,
+    CallError, CallId, Cycle, Dynamic, Interface, NOTICE_REPORT, Provided, RequestId, Required,
+    ServiceFault,
 };
 use asmotion_datum::Datum;
 use asmotion_lang::Specification;
@@ -62,6 +64,8 @@ pub(crate) struct MessagePartners {
     pub calls: Vec<(CallId, PartnerCall)>,
     /// Open requests: the message, the position of the operation, and the request.
     pub requests: Vec<(MessageId, usize, RequestId)>,
+    /// Causes for which requests have been refused, and which have been reported.
+    pub causes: MisfitCauses,
 }
 
 /// An operation of a partner.
@@ -83,6 +87,9 @@ pub(crate) struct OwnOperation {
     handle: Provided<Dynamic>,
     argument: ValueShape,
 }
+
+/// Names of the only field of a record that is a value.
+const VALUE_FIELDS: [&str; 2] = ["data", "code"];
 
 /// A message that was sent as a call.
 pub(crate) struct PartnerCall {
@@ -221,12 +228,13 @@ impl MessagePartners {
         for (index, served) in self.own_operations.iter().enumerate() {
             for request in cycle.requests(served.handle) {
                 let program = machine.program().clone();
-                let Some(data) = content(&request.argument, &served.argument, &program) else {
+                let Some(data) = served.argument(&request.argument, &program) else {
                     misfits += 1;
-                    let fault = ServiceFault::new(
-                        "MISFIT",
-                        "the argument is not of the domain of the operation",
-                    );
+                    let cause = served.misfit(&request.argument, &program);
+                    if let Some(cause) = self.causes.new_cause(|| cause.clone()) {
+                        cycle.report(NOTICE_REPORT, Datum::text(cause));
+                    }
+                    let fault = ServiceFault::new("MISFIT", cause);
                     cycle.reply(served.handle, request.id, Err(fault));
                     continue;
                 };
@@ -470,6 +478,37 @@ fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value,
     Some((Value::Atom(*atom), name.to_string()))
 }
 
+impl OwnOperation {
+    fn argument(&self, datum: &Datum, program: &Program) -> Option<Value> {
+        request_content(&self.operation, datum, &self.argument, program)
+    }
+
+    fn misfit(&self, found: &Datum, program: &Program) -> String {
+        let (operation, found) = (&self.operation, shown(found));
+        let domain = domain_text(&self.argument, program);
+        format!("`{operation}` takes a value of the domain {domain}, found {found}")
+    }
+}
+
+/// The content of a request. A record with one field stands for that field only if the field has the name of the operation or
+/// that of a value: a misspelt name is not taken for another one.
+fn request_content(
+    operation: &str,
+    datum: &Datum,
+    shape: &ValueShape,
+    program: &Program,
+) -> Option<Value> {
+    if let Datum::Record(fields) = datum
+        && let [(name, _)] = fields.as_slice()
+        && !matches!(shape, ValueShape::Map(..) | ValueShape::Any)
+        && name != operation
+        && !VALUE_FIELDS.contains(&&**name)
+    {
+        return None;
+    }
+    content(datum, shape, program)
+}
+
 /// The content of a message. An empty message is `true`, to distinguish it from no message, unless it has to have a value.
 fn content(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value> {
     let is_nothing = *datum == Datum::Null;
@@ -481,4 +520,27 @@ fn content(datum: &Datum, shape: &ValueShape, program: &Program) -> Option<Value
         return None;
     }
     value_of(datum, shape, program)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests")]
+    use super::*;
+
+    #[test]
+    fn a_request_with_a_misspelt_field_has_no_content() {
+        let mut files = asmotion_lang::MemoryFiles::new();
+        files.add("a.asm", "asm a\nsignature:\ndefinitions:\n");
+        let program = asmotion_lang::open("a.asm", &files).unwrap().program;
+        let content = |datum: Datum| request_content("job", &datum, &ValueShape::Int, &program);
+        let field = |name: &'static str, value| Datum::record([(name, value)]);
+        let seven = || Some(Value::Int(7));
+        assert_eq!(content(Datum::Int(7)), seven());
+        assert_eq!(content(field("job", Datum::Int(7))), seven());
+        assert_eq!(content(field("data", Datum::Int(7))), seven());
+        assert_eq!(content(field("bogus", Datum::Int(7))), None);
+        let nested = field("request", field("bogus", Datum::Int(7)));
+        assert_eq!(content(nested), None);
+        assert_eq!(content(field("job", Datum::text("x"))), None);
+    }
 }

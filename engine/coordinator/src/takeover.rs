@@ -343,6 +343,7 @@ fn keep_input(input: &mut BoundInput, before: &BoundInput, elements: &Correspond
     input.lost = before.lost;
     input.reported_key = before.reported_key;
     input.reported_expiry = before.reported_expiry;
+    input.causes = before.causes.clone();
     if let (Some(condition), Some(before)) = (&mut input.matching, &before.matching) {
         condition.expected.clone_from(&before.expected);
         condition.reported = before.reported;

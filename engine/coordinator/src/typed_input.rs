@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use asmotion_component::In;
-use asmotion_datum::{Datum, Schema};
+use asmotion_datum::{Datum, DatumError, Schema};
 
 /// An input port of the component and the type of its messages.
 #[derive(Clone)]
@@ -24,5 +24,14 @@ impl TypedInput {
         }
         let complete = self.schema.complete(message.clone());
         complete.map_or(Cow::Borrowed(message), Cow::Owned)
+    }
+
+    /// As [`completed`](Self::completed), for a message that has to fit the type: unknown fields are errors, as for other readers.
+    pub fn fitting<'message>(
+        &self,
+        message: &'message Datum,
+    ) -> Result<Cow<'message, Datum>, DatumError> {
+        self.schema.accepts(message)?;
+        Ok(self.completed(message))
     }
 }

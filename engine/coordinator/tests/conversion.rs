@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex};
 
-use asmotion_component::{Activity, Span};
+use asmotion_component::{Activity, NOTICE_REPORT, Policy, Span};
 use asmotion_coordinator::{
-    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Published, STEP_REPORT,
-    Source, StepRecord, UNFIT_REPORT,
+    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Published, Receive,
+    STEP_REPORT, Source, StepRecord, UNFIT_REPORT,
 };
-use asmotion_datum::{Datum, Numbers, Schema, Shape};
+use asmotion_datum::{Datum, Numbers, OutlineKey, Schema, Shape};
 use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Event, Run, System};
 
@@ -222,4 +222,142 @@ fn collections_are_published_as_lists_and_records() {
     assert_eq!(published("Powerset(Integer)", "{2, 1}"), list([1, 2]));
     let record = Datum::record([("HIGH", Datum::Int(3))]);
     assert_eq!(published("Map(Gear, Integer)", "{HIGH -> 3}"), record);
+}
+
+/// The values of `seen`, the notices and the number of misfits after messages, all in one cycle, to the function `input` that is
+/// bound to a field of a port of this type.
+fn taken(
+    (codomain, field, receive): (&str, Option<&str>, Receive),
+    schema: &Schema,
+    messages: &[Datum],
+) -> (Vec<String>, Vec<String>, u64) {
+    let text = format!(
+        "
+asm reader
+import StandardLibrary
+signature:
+	monitored input: {codomain}
+	controlled seen: {codomain}
+definitions:
+	main rule r_Main = if isDef(input) then seen := input endif
+"
+    );
+    let mut monitored = Monitored::new("input", Source::Port("stop".to_owned()));
+    monitored.field = field.map(str::to_owned);
+    monitored.receive = receive;
+    let binding = Binding {
+        monitored: vec![monitored],
+        out: Vec::new(),
+    };
+    let interfaces = Interfaces {
+        inputs: vec![("stop".to_owned(), schema.clone())],
+        ..Interfaces::default()
+    };
+    let mut system = system(&text, &binding, &interfaces);
+    system
+        .subscribe("stops", "Reader.stop", Policy::buffer(64))
+        .unwrap();
+    let found = Arc::new(Mutex::new((Vec::new(), Vec::new())));
+    let note = found.clone();
+    system.observe(move |_, event: &Event<'_>| match event {
+        Event::Report { kind, data, .. } if *kind == STEP_REPORT => {
+            let step: StepRecord = data.to().unwrap();
+            let updates = step.updates.into_iter().map(|update| update.after);
+            note.lock().unwrap().0.extend(updates);
+        }
+        Event::Report { kind, data, .. } if *kind == NOTICE_REPORT => {
+            note.lock()
+                .unwrap()
+                .1
+                .push(data.as_text().unwrap().to_owned());
+        }
+        _ => {}
+    });
+    let mut run = system.simulate();
+    run.run_for(5.ms());
+    for message in messages {
+        run.inject(run.now(), "Reader.stop", message.clone())
+            .unwrap();
+    }
+    run.run_for(10.ms());
+    let misfits = run.losses("Reader").misfits;
+    let (values, notices) = std::mem::take(&mut *found.lock().unwrap());
+    (values, notices, misfits)
+}
+
+fn boolean() -> Schema {
+    let data = OutlineKey::new("data", "", Schema::plain(Shape::Bool));
+    Schema::record("std_msgs/Bool", vec![data])
+}
+
+fn data(value: Datum) -> Datum {
+    Datum::record([("data", value)])
+}
+
+const LAST: (&str, Option<&str>, Receive) = ("Boolean", Some("data"), Receive::Last);
+const ALL: (&str, Option<&str>, Receive) = ("Boolean", Some("data"), Receive::All);
+
+#[test]
+fn a_message_of_another_type_is_refused_with_port_place_and_value() {
+    let bad = [
+        (Datum::record([("dat", Datum::Bool(true))]), "`dat`"),
+        (
+            Datum::record([("data", Datum::Bool(true)), ("bogus", Datum::Int(1))]),
+            "`bogus`",
+        ),
+        (data(Datum::Int(5)), "`data`"),
+        (Datum::Bool(true), "found a Boolean"),
+    ];
+    for binding in [LAST, ALL] {
+        for (message, place) in &bad {
+            let (seen, notices, misfits) = taken(binding, &boolean(), &[message.clone()]);
+            assert_eq!((seen.len(), misfits), (0, 1), "{message}");
+            let [notice] = &*notices else {
+                panic!("{notices:?}")
+            };
+            for part in ["`stop`", "std_msgs/Bool", place, &message.to_string()] {
+                assert!(notice.contains(part), "{part}: {notice}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_value_outside_of_the_domain_is_refused_with_function_domain_and_value() {
+    let number = Schema::record(
+        "test/Number",
+        vec![OutlineKey::new("data", "", Schema::plain(Shape::I64))],
+    );
+    let natural = ("Natural", Some("data"), Receive::All);
+    let messages = [-1, -1, 7, -2].map(|it| data(Datum::Int(it)));
+    let (seen, notices, misfits) = taken(natural, &number, &messages);
+    assert_eq!((seen, misfits), (vec!["7".to_owned()], 3));
+    let expected = [-1, -2].map(|value| {
+        format!(
+            "`stop` refuses a message: `input` is of the domain Natural, found {value} in `data`"
+        )
+    });
+    assert_eq!(notices, expected, "each cause once");
+}
+
+#[test]
+fn causes_are_limited() {
+    let messages: Vec<Datum> = (0..40).map(|it| data(Datum::Int(it))).collect();
+    let (_, notices, misfits) = taken(ALL, &boolean(), &messages);
+    assert!(
+        notices.len() == 8 && misfits > 8,
+        "{} {misfits}",
+        notices.len()
+    );
+}
+
+#[test]
+fn a_message_that_does_not_fit_hides_no_other_one() {
+    let last = ("Boolean", Some("data"), Receive::Last);
+    let edge = ("Boolean", None, Receive::Edge);
+    for binding in [last, edge] {
+        let messages = [data(Datum::Bool(true)), data(Datum::Int(5))];
+        let (seen, _, misfits) = taken(binding, &boolean(), &messages);
+        assert_eq!((seen.last().map(String::as_str), misfits), (Some("true"), 1));
+    }
 }

@@ -109,6 +109,18 @@ pub enum QueueCheckError {
         /// Name of the queue.
         queue: String,
     },
+    /// Another process of ours has the same end of the queue.
+    #[error(
+        "another process {does} {queue}, perhaps another run of this system; stop it (`fuser {file}` shows its number), or give this connection another queue"
+    )]
+    Claimed {
+        /// Name of the queue.
+        queue: String,
+        /// What the other process does: `writes to` or `reads from`.
+        does: &'static str,
+        /// The file that the other process has locked.
+        file: String,
+    },
     /// Any other error of the operating system.
     #[error("{queue}: {reason}")]
     System {

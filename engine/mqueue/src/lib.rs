@@ -20,6 +20,7 @@
 //! ```
 
 mod capacity;
+mod claim;
 mod error;
 mod layout;
 mod name;

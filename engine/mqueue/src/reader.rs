@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use asmotion_datum::{Datum, DatumError, Sample};
 use asmotion_runtime::{Source, SourceEvent};
 
+use crate::claim::{QueueClaim, QueueEnd};
+use crate::error::QueueCheckError;
 use crate::layout::QueueLayout;
 use crate::name::QueueName;
 use crate::queue::{HolderAccess, KernelQueue, QueueHolder};
@@ -25,6 +27,8 @@ pub struct QueueReader {
     max_age: Option<Duration>,
     queue: Option<OpenQueue>,
     search: QueueSearch,
+    /// Keeps other processes from reading from the queue.
+    _claim: Option<QueueClaim>,
 }
 
 /// The search for a queue that does not exist yet, or no longer.
@@ -129,7 +133,17 @@ impl QueueReader {
             max_age: None,
             queue: None,
             search: QueueSearch::new(None),
+            _claim: None,
         }
+    }
+
+    /// Claims the messages of the queue for this process.
+    ///
+    /// # Errors
+    /// [`QueueCheckError::Claimed`] if another process of ours reads from it.
+    pub fn claimed(self) -> Result<Self, QueueCheckError> {
+        let _claim = Some(QueueClaim::new(&self.name, QueueEnd::Reader)?);
+        Ok(Self { _claim, ..self })
     }
 
     /// Sets the age limit of messages (default: none). Messages contain no time, so a reader with a limit discards those

@@ -10,6 +10,7 @@ use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
 use asmotion_runtime::{PushOutcome, Sink, SinkUpkeep};
 
 use crate::capacity::QueueCapacity;
+use crate::claim::{QueueClaim, QueueEnd};
 use crate::error::QueueCheckError;
 use crate::layout::QueueLayout;
 use crate::name::QueueName;
@@ -36,6 +37,8 @@ pub struct QueueWriter {
     name: QueueName,
     /// Shared with [`QueueUpkeep`], which holds the lock for a few system calls at most.
     state: Arc<Mutex<WriterState>>,
+    /// Keeps other processes from writing to the queue.
+    _claim: QueueClaim,
 }
 
 /// The queue of a writer and its content.
@@ -83,7 +86,8 @@ impl QueueWriter {
     /// replaced.
     ///
     /// # Errors
-    /// An error of the operating system, usually a limit; or a queue with this name exists for smaller messages.
+    /// An error of the operating system, usually a limit; or a queue with this name exists for smaller messages; or another
+    /// process of ours writes to it.
     pub fn open(
         name: QueueName,
         layout: QueueLayout,
@@ -96,6 +100,7 @@ impl QueueWriter {
                 kind: layout.schema().to_string(),
             });
         }
+        let claim = QueueClaim::new(&name, QueueEnd::Writer)?;
         let (mut queue, mut origin) = KernelQueue::create(&name, capacity)?;
         let mut left = 0;
         if origin == QueueOrigin::Found {
@@ -141,6 +146,7 @@ impl QueueWriter {
         Ok(Self {
             name,
             state: Arc::new(Mutex::new(state)),
+            _claim: claim,
         })
     }
 

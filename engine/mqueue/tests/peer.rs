@@ -550,3 +550,54 @@ fn limits_are_named_with_the_way_to_raise_them() {
     let refused = open(1, 0);
     assert!(refused.contains("`data_size = BYTES`"), "{refused}");
 }
+
+/// Names the queue that this program, started again by a test, opens at both ends.
+const HELD: &str = "ASMOTION_TEST_HELD_QUEUE";
+
+/// The other process of [`a_second_process_gets_neither_end_of_a_queue`]; without a queue in the environment it does nothing.
+#[test]
+fn another_process_holds_a_queue() {
+    let Ok(held) = std::env::var(HELD) else {
+        return;
+    };
+    let held = QueueName::new(&held).unwrap();
+    let _writer = writer(&held, 3, FullQueuePolicy::Oldest);
+    let _reader = QueueReader::new(held, layout()).claimed().unwrap();
+    eprintln!("holds");
+    // until it is killed
+    std::thread::sleep(Duration::from_secs(60));
+}
+
+#[test]
+fn a_second_process_gets_neither_end_of_a_queue() {
+    let name = name("held");
+    let mut other = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "another_process_holds_a_queue", "--nocapture"])
+        .env(HELD, name.as_str())
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(other.stderr.take().unwrap()).lines();
+    assert!(said.any(|line| line.unwrap() == "holds"));
+    let room = QueueCapacity {
+        messages: 3,
+        size: SIZE,
+    };
+    let write = || QueueWriter::open(name.clone(), layout(), room, FullQueuePolicy::Oldest);
+    let read = || QueueReader::new(name.clone(), layout()).claimed();
+    for (refused, does) in [
+        (write().err(), "another process writes to mqueue:/asmotion-"),
+        (read().err(), "another process reads from mqueue:/asmotion-"),
+    ] {
+        let refused = refused.expect("the other process has it").to_string();
+        assert!(refused.starts_with(does), "{refused}");
+    }
+    // kill -9 leaves no claim behind
+    other.kill().unwrap();
+    other.wait().unwrap();
+    let (first, reader) = (write().unwrap(), read().unwrap());
+    // a new version of a system opens a queue before the old one closes it
+    let second = write().unwrap();
+    drop((first, second, reader, read().unwrap()));
+}

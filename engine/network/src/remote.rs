@@ -10,7 +10,7 @@ use asmotion_bus::{
     ServiceClient, SpanGenerator,
 };
 use asmotion_component::{CallError, ServiceFault};
-use asmotion_datum::{Datum, Message, Sample, Schema, Shape};
+use asmotion_datum::{Datum, DatumError, DatumProblem, Message, Sample, Schema, Shape};
 use asmotion_port::Time;
 use asmotion_runtime::{
     CallKey, Effects, Event, ProviderMessage, ReplyTo, RequestQueue, ServiceRequest,
@@ -286,8 +286,9 @@ impl RemoteService {
                 reply_to.send(key.number, read(&payload), effects);
             }
             (CallOrigin::OneWay { .. }, Ok(_)) => {}
-            (CallOrigin::OneWay { component, address }, Err(_)) => {
+            (CallOrigin::OneWay { component, address }, Err(failure)) => {
                 self.lost += 1;
+                let reason = DatumError::new(DatumProblem::Mismatch(failure.to_string()));
                 effects.emit(
                     now,
                     &Event::Dropped {
@@ -295,7 +296,7 @@ impl RemoteService {
                         port: "",
                         to: &address,
                         total: self.lost,
-                        reason: None,
+                        reason: Some(&reason),
                     },
                 );
             }

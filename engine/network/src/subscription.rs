@@ -6,7 +6,9 @@
 use std::sync::atomic::{AtomicBool, Ordering, fence};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
 
-use asmotion_bus::{BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription};
+use asmotion_bus::{
+    BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription, SubscriptionCounts,
+};
 use asmotion_datum::{DatumError, DatumProblem, Schema};
 use asmotion_port::{BufferKind, Policy, Time};
 use asmotion_runtime::{ComponentEnd, CycleCause, Effects, InjectionPort, LiveContext, System};
@@ -70,8 +72,8 @@ struct TopicRoute {
     cause: Arc<CycleCause>,
     /// Messages of this incarnation are skipped: they were sent by this process and delivered within it.
     own_incarnation: Option<u64>,
-    /// Number of lost messages that have been reported.
-    lost: u64,
+    /// Numbers of lost messages that have been reported.
+    lost: SubscriptionCounts,
     /// Number of messages for an earlier run of this process that have been reported as discarded.
     discarded: u64,
 }
@@ -116,7 +118,7 @@ impl TopicSubscription {
             schema: system.input_schema(input).clone(),
             cause: system.cycle_cause(input),
             own_incarnation,
-            lost: 0,
+            lost: SubscriptionCounts::default(),
             discarded: 0,
         };
         *gate.route.lock().unwrap_or_else(PoisonError::into_inner) = Some(route);
@@ -190,17 +192,37 @@ impl TopicRoute {
                 Err(reason) => self.port.count_dropped(1, Some(&reason), now, effects),
             }
         }
-        let received = self.subscription.counts();
-        let lost = received.dropped + received.missed + received.unreadable;
-        if lost > self.lost {
-            let more = lost - self.lost;
-            self.lost = lost;
-            self.port.count_dropped(more, None, now, effects);
-        }
+        self.report_lost(now, effects);
     }
 }
 
 impl TopicRoute {
+    /// Reports the messages that did not reach the port since the last call, by cause.
+    fn report_lost(&mut self, now: Time, effects: &mut dyn Effects) {
+        let now_lost = self.subscription.counts();
+        let before = std::mem::replace(&mut self.lost, now_lost);
+        let causes = [
+            (now_lost.dropped, before.dropped, "the queue was full"),
+            (
+                now_lost.missed,
+                before.missed,
+                "their numbers are missing: the broker did not deliver them, as while an exchange or a queue does not exist",
+            ),
+            (
+                now_lost.unreadable,
+                before.unreadable,
+                "their content cannot be decoded",
+            ),
+        ];
+        for (count, before, reason) in causes {
+            if count > before {
+                let reason = DatumError::new(DatumProblem::Mismatch(reason.to_owned()));
+                let new = count - before;
+                self.port.count_dropped(new, Some(&reason), now, effects);
+            }
+        }
+    }
+
     /// Reports the messages that were sent before this process started, and waited for an earlier run of it.
     fn report_discarded(&mut self, now: Time, effects: &mut dyn Effects) {
         let discarded = self.subscription.counts().discarded;

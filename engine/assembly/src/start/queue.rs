@@ -44,7 +44,9 @@ pub(super) fn from(
 ) -> Result<(), StartError> {
     let layout = layout(system, to, Declaration::input)?;
     let name = QueueName::new(queue).map_err(|error| refused(to, error))?;
-    let reader = QueueReader::new(name, layout).max_age(policy.max_age);
+    let reader = QueueReader::new(name, layout).claimed();
+    let reader = reader.map_err(|error| refused(to, error))?;
+    let reader = reader.max_age(policy.max_age);
     Ok(system.connect_source(Box::new(reader), &to.to_string(), policy)?)
 }
 

@@ -6,11 +6,12 @@ use crate::bound_location::BoundLocations;
 use crate::content::{BoundContent, has_values};
 use crate::convert::value_of;
 use crate::event_queue::EventQueue;
+use crate::misfit::{MisfitCauses, domain_text, shown};
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
 use asmotion_component::{BufferKind, Cycle, Flow, In, Time};
-use asmotion_datum::Datum;
+use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
 use asmotion_lang::value::Value;
 use std::borrow::Cow;
@@ -34,6 +35,8 @@ pub(crate) struct BoundInput {
     pub reported_key: bool,
     /// A message that waited too long has been reported.
     pub reported_expiry: bool,
+    /// Causes for which messages have been refused, and which have been reported.
+    pub causes: MisfitCauses,
 }
 
 /// The values that fields of messages must have.
@@ -109,7 +112,11 @@ impl BoundInput {
             None => Ok(Value::Undef),
             Some(it) => value_of(&it.datum, shape, program).ok_or_else(|| BindError::NotAValue {
                 function: monitored.location.to_string(),
-                value: format!("{it:?}"),
+                value: if it.secret {
+                    format!("{it:?}")
+                } else {
+                    it.datum.to_string()
+                },
             }),
         };
         let none = constant(match &monitored.from {
@@ -138,6 +145,7 @@ impl BoundInput {
             locations: Vec::new(),
             reported_key: false,
             reported_expiry: false,
+            causes: MisfitCauses::default(),
         })
     }
 
@@ -293,6 +301,47 @@ impl BoundInput {
         ))
     }
 
+    /// Describes a message that is not of the type of its port.
+    pub(super) fn mistyped(
+        &mut self,
+        port: Option<&TypedInput>,
+        error: &DatumError,
+        message: &Datum,
+    ) -> Option<String> {
+        let TypedInput { name, schema, .. } = port?;
+        self.causes.new_cause(|| {
+            let found = shown(message);
+            format!("`{name}` (`{schema}`) refuses a message: {error}; found {found}")
+        })
+    }
+
+    /// Describes a message whose value is not one of the function.
+    pub(super) fn misfit(
+        &mut self,
+        port: Option<&str>,
+        message: &Datum,
+        requests: &Requests,
+        program: &Program,
+    ) -> Option<String> {
+        let (field, function) = (self.field.as_deref(), self.name(program).to_owned());
+        let domain = domain_text(&self.located.codomain, program);
+        let from = match (port, self.from) {
+            (Some(port), _) => format!("`{port}` refuses a message"),
+            (None, MessageOrigin::Requests(position)) => {
+                let operation = requests.served.get(position).map(|it| &it.operation);
+                let operation = operation.map_or_else(String::new, ToString::to_string);
+                format!("`{operation}` refuses a request")
+            }
+            (None, _) => return None,
+        };
+        let part = field.map_or(Some(Cow::Borrowed(message)), |field| message.get(field));
+        let field = field.map_or_else(String::new, |field| format!(" in `{field}`"));
+        self.causes.new_cause(|| {
+            let found = part.map_or_else(|| "nothing".to_owned(), |part| shown(&part));
+            format!("{from}: `{function}` is of the domain {domain}, found {found}{field}")
+        })
+    }
+
     /// Describes the first messages that waited too long.
     pub(super) fn expired(&mut self, count: u64, program: &Program) -> Option<String> {
         if count == 0 || std::mem::replace(&mut self.reported_expiry, true) {
@@ -311,7 +360,7 @@ impl BoundInput {
     pub(super) fn unknown_key(&self, message: &Datum, program: &Program) -> String {
         let fields = self.located.key.iter().map(|field| {
             let found = message.get(&field.path);
-            let found = found.map_or_else(|| "nothing".to_owned(), |it| format!("{it:?}"));
+            let found = found.map_or_else(|| "nothing".to_owned(), |it| shown(&it));
             format!("`{}` is {found}", field.path)
         });
         format!(
