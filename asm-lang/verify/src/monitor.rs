@@ -49,13 +49,15 @@ use asmotion_lang::ir::FunctionId;
 use asmotion_lang::{Environment, Machine, NoInputs};
 use asmotion_temporal::{Monitor, MonitorState, MonitorVerdict, ResponseMonitor, ResponseState};
 use condition::WatchedCondition;
+use serde::{Deserialize, Serialize};
 
 /// A property from outside of the specification.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GivenProperty {
     /// A term: a formula of CTL or LTL, or a condition of every state.
     pub text: String,
     /// The time within which what it says to happen eventually has to happen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within_ns: Option<i64>,
 }
 

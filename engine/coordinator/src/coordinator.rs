@@ -3,7 +3,7 @@
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces};
 use crate::content::AfterStep;
-use crate::cycle_recorder::CycleRecorder;
+use crate::cycle_recorder::{CycleRecorder, RecordedMachine};
 use crate::effects::{EffectHandles, EffectOutbox, OutputResolver, WrittenPort};
 use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
@@ -293,7 +293,13 @@ impl Coordinator {
     fn recorded_causes(&mut self) -> Option<CycleCauses> {
         let recorder = self.recorder.as_mut()?;
         let agents = self.partners.agents();
-        Some(recorder.causes(&self.specification, &self.machine, &self.frame, &agents))
+        let machine = RecordedMachine {
+            specification: &self.specification,
+            machine: &self.machine,
+            agents: &agents,
+            watch: &self.watcher.watch,
+        };
+        Some(recorder.causes(machine, &self.frame))
     }
 
     /// Reports the step that was made from these causes. It is reported in a cycle that fails as well: a recording repeats that
@@ -332,19 +338,15 @@ impl Coordinator {
         };
         let record = StepRecord::failed(&self.specification, &self.machine, number);
         cycle.report(FAILED_STEP_REPORT, Datum::of(&record)?);
-        Ok(match failure {
+        let message = failure.message(&self.specification, &self.machine);
+        let fault = match failure {
             StepFailure::Fault(fault) => {
                 let finding = self.specification.explain_in(fault, &self.machine);
-                let message = finding.message.clone();
-                let finding = with_missing_inputs(finding, fault, &self.machine);
-                (message, self.rendered(&finding))
+                self.rendered(&with_missing_inputs(finding, fault, &self.machine))
             }
-            StepFailure::Unsafe(properties) => {
-                let properties = properties.join("`, `");
-                let message = format!("the step of the safe rule violates `{properties}`, too");
-                (message.clone(), Fault::new(message))
-            }
-        })
+            StepFailure::Unsafe(_) => Fault::new(message.clone()),
+        };
+        Ok((message, fault))
     }
 
     /// Starts and stops timers according to their conditions in the current state.

@@ -6,6 +6,7 @@
 use crate::frame::InputFrame;
 use crate::recorded::{CycleCauses, MachineBegin, MachineOrigin, SourceRecord};
 use crate::typed_input::TypedInput;
+use crate::watcher::Watch;
 use asmotion_component::{Cycle, Flow, Time};
 use asmotion_lang::Specification;
 use asmotion_lang::machine::Machine;
@@ -48,14 +49,13 @@ impl CycleRecorder {
     /// Starts recording a machine that continues in the state of a predecessor, which this recorder belongs to.
     pub fn after(
         &self,
-        specification: &Specification,
-        machine: &Machine,
-        agents: &[Value],
+        predecessor: RecordedMachine<'_>,
         origin: MachineOrigin,
     ) -> Self {
+        let machine = predecessor.machine;
         let mut replaced = self.replaced.clone();
         if let Some(from) = self.begin.clone() {
-            replaced.push(machine_begin(from, specification, machine, agents));
+            replaced.push(predecessor.begin(from));
         }
         // the new machine has the messages of a predecessor that has made a step, and nothing of another one
         let messages = match machine.steps() {
@@ -91,20 +91,18 @@ impl CycleRecorder {
     /// Returns the causes of a step that the machine is about to make.
     pub fn causes(
         &mut self,
-        specification: &Specification,
-        machine: &Machine,
+        of: RecordedMachine<'_>,
         frame: &InputFrame,
-        agents: &[Value],
     ) -> CycleCauses {
         let mut begins = std::mem::take(&mut self.replaced);
         if let Some(from) = self.begin.take() {
-            begins.push(machine_begin(from, specification, machine, agents));
+            begins.push(of.begin(from));
         }
         CycleCauses {
             cause: std::mem::take(&mut self.cause),
             begins,
             messages: std::mem::take(&mut self.messages),
-            frame: self.changed_inputs(machine, frame),
+            frame: self.changed_inputs(of.machine, frame),
         }
     }
 
@@ -152,12 +150,19 @@ pub(crate) fn replacement(machine: &Machine, frame: &InputFrame, now: Time) -> M
     }
 }
 
-fn machine_begin(
-    from: MachineOrigin,
-    specification: &Specification,
-    machine: &Machine,
-    agents: &[Value],
-) -> MachineBegin {
+/// A machine as it begins, with what is known about it.
+#[derive(Clone, Copy)]
+pub(crate) struct RecordedMachine<'a> {
+    pub specification: &'a Specification,
+    pub machine: &'a Machine,
+    /// Elements that stand for services outside.
+    pub agents: &'a [Value],
+    pub watch: &'a Watch,
+}
+
+impl RecordedMachine<'_> {
+    fn begin(self, from: MachineOrigin) -> MachineBegin {
+    let Self { specification, machine, agents, watch } = self;
     let naming = machine.naming();
     let agents = agents.iter().map(|agent| agent.show(&naming).to_string());
     let sources = &specification.sources;
@@ -175,5 +180,7 @@ fn machine_begin(
         agents: agents.collect(),
         sources: sources.collect(),
         state: simulate::state(machine).into_iter().collect(),
+        watch: watch.clone(),
+    }
     }
 }

@@ -47,4 +47,5 @@ pub use recorded::{
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
 pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
-pub use watcher::{GivenProperty, Watch};
+pub use watched_step::StepSubject;
+pub use watcher::{GivenProperty, StepFailure, Watch, WatchedStep, Watcher};

@@ -2,6 +2,7 @@
 
 use crate::step::{UpdateRecord, update_records};
 use crate::violation::ViolationRecord;
+use crate::watcher::Watch;
 use asmotion_lang::Specification;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate::{self, RecordedMessage};
@@ -103,6 +104,13 @@ pub struct MachineBegin {
     pub sources: Vec<SourceRecord>,
     /// Every location with a value before the step.
     pub state: BTreeMap<String, String>,
+    /// The watched properties, and the safe rule.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub watch: Watch,
+}
+
+fn is_default(watch: &Watch) -> bool {
+    *watch == Watch::default()
 }
 
 /// The origin of the state in which a machine begins.

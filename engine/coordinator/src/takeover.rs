@@ -6,7 +6,7 @@
 
 use crate::binding::{Monitored, Source};
 use crate::coordinator::Coordinator;
-use crate::cycle_recorder::replacement;
+use crate::cycle_recorder::{RecordedMachine, replacement};
 use crate::event_queue::WaitingEvent;
 use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::{MessagePartners, PartnerCall};
@@ -37,8 +37,13 @@ impl Coordinator {
         let recorder = predecessor.recorder.as_ref().map(|recorder| {
             let origin = replacement(&self.machine, &self.frame, now);
             let agents = predecessor.partners.agents();
-            let (specification, machine) = (&predecessor.specification, &predecessor.machine);
-            recorder.after(specification, machine, &agents, origin)
+            let before = RecordedMachine {
+                specification: &predecessor.specification,
+                machine: &predecessor.machine,
+                agents: &agents,
+                watch: &predecessor.watcher.watch,
+            };
+            recorder.after(before, origin)
         });
         let (machine, frame) = (&mut self.machine, &mut self.frame);
         machine

@@ -7,28 +7,33 @@ use asmotion_lang::ir::AddedRule;
 use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::{FaultKind, Specification};
 use asmotion_verify::{Monitors, PropertyKind, PropertyViolation};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 pub use asmotion_verify::GivenProperty;
 
 /// The properties to watch, and the reaction to violations.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Watch {
     /// Neither the temporal properties of the specification nor `properties` are watched. Invariants are always checked.
     pub is_off: bool,
     /// A rule in the scope of the specification, as in `r_halt[IDLE]`, that replaces the main rule in a step that violates a
     /// property.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub safe_rule: Option<String>,
     /// Properties in addition to those of the specification.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub properties: Vec<GivenProperty>,
 }
 
 /// Watches the properties of a specification.
-pub(crate) struct Watcher {
-    pub monitors: Monitors,
-    pub safe_rule: Option<SafeRule>,
+pub struct Watcher {
+    pub(crate) watch: Watch,
+    pub(crate) monitors: Monitors,
+    pub(crate) safe_rule: Option<SafeRule>,
     /// Invariants that were violated in the last step.
-    pub violated_invariants: BTreeSet<usize>,
+    pub(crate) violated_invariants: BTreeSet<usize>,
 }
 
 pub(crate) struct SafeRule {
@@ -37,19 +42,36 @@ pub(crate) struct SafeRule {
 }
 
 /// A step that was made or failed, with what it violated.
-#[derive(Default)]
-pub(crate) struct WatchedStep {
+#[derive(Debug, Default)]
+pub struct WatchedStep {
+    /// The reason that the step failed; `None` if it was made.
     pub failure: Option<StepFailure>,
+    /// The properties that the step violated, or would have violated without the safe rule.
     pub violations: Vec<ViolationRecord>,
     /// The step that the safe rule replaced.
     pub replaced: Option<ReplacedStep>,
 }
 
 /// The reason for which a step failed.
-pub(crate) enum StepFailure {
+#[derive(Debug)]
+pub enum StepFailure {
+    /// A fault of the machine.
     Fault(Box<StepFault>),
     /// The step of the safe rule violates these properties, too.
     Unsafe(Vec<String>),
+}
+
+impl StepFailure {
+    /// Message of the failure of a machine.
+    pub fn message(&self, specification: &Specification, machine: &Machine) -> String {
+        match self {
+            Self::Fault(fault) => specification.explain_in(fault, machine).message,
+            Self::Unsafe(properties) => {
+                let properties = properties.join("`, `");
+                format!("the step of the safe rule violates `{properties}`, too")
+            }
+        }
+    }
 }
 
 impl Watcher {
@@ -80,6 +102,7 @@ impl Watcher {
             });
         }
         Ok(Self {
+            watch: watch.clone(),
             monitors,
             safe_rule,
             violated_invariants: BTreeSet::new(),
@@ -92,7 +115,7 @@ impl Watcher {
         self.violated_invariants.clear();
     }
 
-    pub fn record(
+    pub(crate) fn record(
         &self,
         specification: &Specification,
         found: &PropertyViolation,
@@ -155,7 +178,7 @@ pub(crate) fn word(kind: PropertyKind) -> &'static str {
 
 impl WatchedStep {
     /// Returns `true` if the step failed for another reason than an invariant, so that there is nothing to replace.
-    pub fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         let Some(StepFailure::Fault(fault)) = &self.failure else {
             return false;
         };

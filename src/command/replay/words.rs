@@ -62,6 +62,8 @@ fn subject(difference: &StepDifference) -> Option<String> {
         }
         DifferenceKind::Update { location, .. } => format!("update of `{location}`"),
         DifferenceKind::Fault { .. } => "failure".to_owned(),
+        DifferenceKind::Rule { .. } => "rule that makes the step".to_owned(),
+        DifferenceKind::Violation { .. } => "violated property".to_owned(),
         DifferenceKind::Extended { .. } => "new element".to_owned(),
         DifferenceKind::Sent { .. } => "message sent".to_owned(),
         DifferenceKind::Read { .. } => "input read".to_owned(),
@@ -91,6 +93,7 @@ fn sides(difference: &StepDifference) -> Option<(String, String)> {
             Some((written(recorded, replayed), written(replayed, recorded)))
         }
         DifferenceKind::Fault { recorded, replayed }
+        | DifferenceKind::Violation { recorded, replayed }
         | DifferenceKind::Extended { recorded, replayed }
         | DifferenceKind::Sent { recorded, replayed } => Some((
             shown(recorded, String::clone),

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use asmotion_coordinator::{MachineBegin, MachineOrigin};
+use asmotion_coordinator::{MachineBegin, MachineOrigin, Watcher};
 use asmotion_lang::guards::PassedGuard;
 use asmotion_lang::machine::{Machine, TransferError};
 use asmotion_lang::{Specification, StepFault, simulate};

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use asmotion_coordinator::{RecordedCycle, UpdateRecord};
+use asmotion_coordinator::{RecordedCycle, UpdateRecord, ViolationRecord};
 use asmotion_lang::Specification;
 
 use super::difference::{DifferenceKind, WrittenValue};
@@ -33,7 +33,23 @@ impl StepPair<'_> {
                 replayed: replayed.fault.clone(),
             });
         }
+        let rule = |cycle: &RecordedCycle| Some(cycle.replaced.as_ref()?.rule.clone());
+        let (recorded_rule, replayed_rule) = (rule(recorded), rule(replayed));
+        if recorded_rule != replayed_rule {
+            return Some(DifferenceKind::Rule {
+                recorded: recorded_rule,
+                replayed: replayed_rule,
+            });
+        }
         let update = self.update(new, is_same);
+        let violated = || {
+            let texts = |cycle: &RecordedCycle| -> Vec<String> {
+                let violations = cycle.violations.iter();
+                violations.map(|it| violation(it, is_same)).collect()
+            };
+            let (recorded, replayed) = first_pair(&texts(recorded), &texts(replayed))?;
+            Some(DifferenceKind::Violation { recorded, replayed })
+        };
         let extended = || {
             let (recorded, replayed) = first_pair(&recorded.extended, &replayed.extended)?;
             Some(DifferenceKind::Extended { recorded, replayed })
@@ -42,7 +58,8 @@ impl StepPair<'_> {
             let (recorded, replayed) = first_pair(&recorded.sent, &replayed.sent)?;
             Some(DifferenceKind::Sent { recorded, replayed })
         };
-        update.or_else(extended).or_else(sent)
+        let found = update.or_else(violated);
+        found.or_else(extended).or_else(sent)
     }
 
     /// Returns the first difference in what the step depended on, for an equal specification.
@@ -93,6 +110,18 @@ impl StepPair<'_> {
             recorded: of_recorded.map(|it| written(it, self.recorded_specification)),
             replayed: of_replayed.map(|it| written(it, Some(self.replayed_specification))),
         })
+    }
+}
+
+/// A violation as text; of another specification only what is violated.
+fn violation(record: &ViolationRecord, is_same: bool) -> String {
+    if is_same {
+        return record.to_string();
+    }
+    let ViolationRecord { kind, property, .. } = record;
+    match &record.name {
+        Some(name) => format!("{kind} {name}"),
+        None => format!("{kind} `{property}`"),
     }
 }
 

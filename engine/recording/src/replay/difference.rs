@@ -60,6 +60,20 @@ pub enum DifferenceKind {
         /// Reason in the repetition.
         replayed: Option<String>,
     },
+    /// Another rule made the step: `None` is the main rule.
+    Rule {
+        /// The safe rule of the recorded step.
+        recorded: Option<String>,
+        /// The safe rule of the repetition.
+        replayed: Option<String>,
+    },
+    /// A property that the step violates.
+    Violation {
+        /// The recorded violation.
+        recorded: Option<String>,
+        /// Violation in the repetition.
+        replayed: Option<String>,
+    },
     /// An element added to a domain.
     Extended {
         /// Recorded element.

@@ -15,6 +15,12 @@ pub enum ReplayFailure {
         /// The rendered errors.
         reason: String,
     },
+    /// The safe rule or a property of the composite does not fit the specification.
+    #[error("what was watched does not fit the specification: {reason}")]
+    Watch {
+        /// The first error.
+        reason: String,
+    },
     /// The initial state cannot be computed.
     #[error("it has no initial state: {reason}")]
     Initial {

@@ -26,4 +26,4 @@ pub use explanation::{InputChange, LocationWriter};
 pub use failure::ReplayFailure;
 pub use files::{RunFiles, RunItems};
 pub use machines::{RecordedMachine, RecordedMachines};
-pub use sources::SourceTexts;
+pub use sources::{EditedSpecification, SourceTexts};

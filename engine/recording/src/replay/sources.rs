@@ -13,6 +13,50 @@ use super::failure::ReplayFailure;
 /// The beginning of the names of attached specifications: `specification/HASH/PATH`.
 const SPECIFICATION: &str = "specification/";
 
+/// A specification in the place of the recorded one. It is opened again for each machine, because what is watched there is
+/// added to it.
+#[derive(Debug)]
+pub struct EditedSpecification {
+    /// Name of the specification.
+    pub name: String,
+    path: String,
+    sources: RecordedSources,
+}
+
+impl EditedSpecification {
+    /// Takes the texts of a specification.
+    pub fn of(specification: &Specification) -> Self {
+        let sources = &specification.sources;
+        let paths: Vec<_> = sources.paths().filter(|it| !it.starts_with('<')).collect();
+        let text = |path: &&str| {
+            let text = sources.shared_text(sources.find(path)?);
+            Some((normal(Path::new(path)), text))
+        };
+        Self {
+            name: specification.model.name.to_string(),
+            path: paths.first().map_or_else(String::new, ToString::to_string),
+            sources: RecordedSources {
+                texts: paths.iter().filter_map(text).collect(),
+            },
+        }
+    }
+
+    /// Opens the specification.
+    ///
+    /// # Errors
+    /// It has errors.
+    pub(super) fn open(&self) -> Result<Specification, ReplayFailure> {
+        opened(&self.path, &self.sources)
+    }
+}
+
+fn opened(path: &str, sources: &RecordedSources) -> Result<Specification, ReplayFailure> {
+    let opened = asmotion_lang::open(path, sources);
+    opened.map_err(|failure| ReplayFailure::Specification {
+        reason: failure.to_string(),
+    })
+}
+
 /// Texts of specifications, by hash.
 #[derive(Clone, Debug, Default)]
 pub struct SourceTexts {
@@ -35,10 +79,7 @@ impl SourceTexts {
     pub(super) fn open(&self, begin: &MachineBegin) -> Result<Specification, ReplayFailure> {
         let sources = self.of(begin)?;
         let path = begin.sources.first().map_or("", |source| &*source.path);
-        let opened = asmotion_lang::open(path, &sources);
-        opened.map_err(|failure| ReplayFailure::Specification {
-            reason: failure.to_string(),
-        })
+        opened(path, &sources)
     }
 
     /// Returns the files of a machine.
