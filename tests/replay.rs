@@ -840,6 +840,11 @@ fn a_session_goes_back_and_forth_through_a_recording() {
         said.contains("because `event = PATH_OK`, with event = PATH_OK"),
         "{said}"
     );
+    // an edited specification gets the inputs that it still has
+    let spec = edited(folder.path(), &[("contact", "bumper")]);
+    let (code, said) = talk(&[&spec, "--from", &file], "step 24\nmode\nbumper\n");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("\nFOLLOWING\nundef\n"), "{said}");
     let (code, said) = talk(&["--from", &file, "--component", "Nobody"], "");
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("it has no coordinator `Nobody`"), "{said}");
