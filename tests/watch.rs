@@ -194,7 +194,10 @@ fn a_recording_has_a_mark_at_the_violation() {
     for item in reader {
         match item {
             RecordingItem::Message { channel, at, data } if channel == "marks" => {
-                marks.push((at, serde_json::from_str::<Value>(&data.json().unwrap()).unwrap()));
+                marks.push((
+                    at,
+                    serde_json::from_str::<Value>(&data.json().unwrap()).unwrap(),
+                ));
             }
             RecordingItem::Step { step, .. } => {
                 assert!(step.is_intact);
@@ -218,6 +221,60 @@ fn a_recording_has_a_mark_at_the_violation() {
     let moves =
         |it: &asmotion_coordinator::UpdateRecord| it.location == "moving" && it.after == "true";
     assert!(replaced.updates.iter().any(moves) && !step.updates.iter().any(moves));
+}
+
+#[test]
+fn a_recording_is_replayed_with_its_safe_rule() {
+    let folder = navigation(&[MUTANT, WATCHED, PRESSED]);
+    let run = |arguments: &[&str]| asmotion(folder.path(), arguments);
+    let (_, out) = run(&["run", COMPOSITE, "--for", "10", "--record", "run.mcap"]);
+    assert!(folder.path().join("run.mcap").exists(), "{out}");
+    let (code, out) = run(&["replay", "run.mcap"]);
+    assert_eq!(code, 0, "{out}");
+
+    // the safe rule wrote the mode, and the replay knows why
+    let (code, out) = run(&["replay", "run.mcap", "--explain", "mode"]);
+    assert_eq!(code, 0, "{out}");
+    assert!(out.contains("r_halt"), "{out}");
+
+    // the mutant without its mistake needs no safe rule
+    let text = std::fs::read_to_string(folder.path().join(SPECIFICATION)).unwrap();
+    std::fs::write(
+        folder.path().join("mended.asm"),
+        text.replacen(MOVES, STOPS, 1),
+    )
+    .unwrap();
+    let (code, out) = run(&["replay", "run.mcap", "--spec", "mended.asm"]);
+    assert_eq!(code, 1, "{out}");
+    for part in [
+        "rule that makes the step",
+        "the safe rule `r_halt[IDLE]`",
+        "the main rule",
+    ] {
+        assert!(out.contains(part), "{part}: {out}");
+    }
+
+    // neither a session nor a scenario goes beyond the step of the safe rule, and both say so
+    let (_, out) = run(&["replay", "run.mcap", "--export", "scenario"]);
+    assert!(out.contains("the safe rule `r_halt[IDLE]` made the step"), "{out}");
+    let (_, out) = run(&["repl", "--from", "run.mcap"]);
+    assert!(out.contains("which the safe rule `r_halt[IDLE]` made"), "{out}");
+}
+
+#[test]
+fn a_replay_names_the_property_that_an_edited_specification_violates() {
+    let folder = navigation(&[PRESSED]);
+    let run = |arguments: &[&str]| asmotion(folder.path(), arguments);
+    let (_, out) = run(&["run", COMPOSITE, "--for", "10", "--record", "run.mcap"]);
+    let text = std::fs::read_to_string(folder.path().join(SPECIFICATION)).unwrap();
+    // a property that the run does not hold
+    let strict = text.replacen("CTLSPEC", "CTLSPEC ag(mode = IDLE)\n\tCTLSPEC", 1);
+    assert_ne!(text, strict, "{out}");
+    std::fs::write(folder.path().join("strict.asm"), strict).unwrap();
+    let (code, out) = run(&["replay", "run.mcap", "--spec", "strict.asm"]);
+    assert_eq!(code, 1, "{out}");
+    assert!(out.contains("violated property"), "{out}");
+    assert!(out.contains("CTLSPEC `ag(mode = IDLE)`"), "{out}");
 }
 
 #[test]

@@ -13,8 +13,8 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::Instant;
 
-use asmotion_lang::{OpenFailure, Specification};
-use asmotion_recording::RunFiles;
+use asmotion_lang::OpenFailure;
+use asmotion_recording::{EditedSpecification, RunFiles};
 use clap::Args;
 
 use self::export::ExportFormat;
@@ -105,12 +105,15 @@ impl Replay {
     }
 
     /// Opens the edited specification.
-    fn edited(&self, terminal: &mut TerminalOutput) -> Result<Option<Rc<Specification>>, Exit> {
+    fn edited(
+        &self,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Option<Rc<EditedSpecification>>, Exit> {
         let Some(path) = &self.spec else {
             return Ok(None);
         };
         match asmotion_lang::open(path, &DiskLoader) {
-            Ok(specification) => Ok(Some(Rc::new(specification))),
+            Ok(opened) => Ok(Some(Rc::new(EditedSpecification::of(&opened)))),
             Err(OpenFailure { report, sources }) => {
                 terminal.report(&report, &sources);
                 terminal.error(count(&report).unwrap_or_default());
@@ -119,7 +122,11 @@ impl Replay {
         }
     }
 
-    fn replay(&self, files: &RunFiles, edited: Option<&Rc<Specification>>) -> RecordingOutcome {
+    fn replay(
+        &self,
+        files: &RunFiles,
+        edited: Option<&Rc<EditedSpecification>>,
+    ) -> RecordingOutcome {
         let session = ReplaySession {
             component: self.component.as_deref(),
             edited,

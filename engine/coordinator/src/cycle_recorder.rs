@@ -47,11 +47,7 @@ impl CycleRecorder {
     }
 
     /// Starts recording a machine that continues in the state of a predecessor, which this recorder belongs to.
-    pub fn after(
-        &self,
-        predecessor: RecordedMachine<'_>,
-        origin: MachineOrigin,
-    ) -> Self {
+    pub fn after(&self, predecessor: RecordedMachine<'_>, origin: MachineOrigin) -> Self {
         let machine = predecessor.machine;
         let mut replaced = self.replaced.clone();
         if let Some(from) = self.begin.clone() {
@@ -89,11 +85,7 @@ impl CycleRecorder {
     }
 
     /// Returns the causes of a step that the machine is about to make.
-    pub fn causes(
-        &mut self,
-        of: RecordedMachine<'_>,
-        frame: &InputFrame,
-    ) -> CycleCauses {
+    pub fn causes(&mut self, of: RecordedMachine<'_>, frame: &InputFrame) -> CycleCauses {
         let mut begins = std::mem::take(&mut self.replaced);
         if let Some(from) = self.begin.take() {
             begins.push(of.begin(from));
@@ -162,25 +154,30 @@ pub(crate) struct RecordedMachine<'a> {
 
 impl RecordedMachine<'_> {
     fn begin(self, from: MachineOrigin) -> MachineBegin {
-    let Self { specification, machine, agents, watch } = self;
-    let naming = machine.naming();
-    let agents = agents.iter().map(|agent| agent.show(&naming).to_string());
-    let sources = &specification.sources;
-    // texts in angle brackets are embedded libraries and terms of the binding
-    let paths = sources.paths().filter(|path| !path.starts_with('<'));
-    let sources = paths.filter_map(|path| {
-        Some(SourceRecord {
-            path: path.to_owned(),
-            text: sources.text(sources.find(path)?).to_owned(),
-            hash: String::new(),
-        })
-    });
-    MachineBegin {
-        from,
-        agents: agents.collect(),
-        sources: sources.collect(),
-        state: simulate::state(machine).into_iter().collect(),
-        watch: watch.clone(),
-    }
+        let Self {
+            specification,
+            machine,
+            agents,
+            watch,
+        } = self;
+        let naming = machine.naming();
+        let agents = agents.iter().map(|agent| agent.show(&naming).to_string());
+        let sources = &specification.sources;
+        // texts in angle brackets are embedded libraries and terms of the binding
+        let paths = sources.paths().filter(|path| !path.starts_with('<'));
+        let sources = paths.filter_map(|path| {
+            Some(SourceRecord {
+                path: path.to_owned(),
+                text: sources.text(sources.find(path)?).to_owned(),
+                hash: String::new(),
+            })
+        });
+        MachineBegin {
+            from,
+            agents: agents.collect(),
+            sources: sources.collect(),
+            state: simulate::state(machine).into_iter().collect(),
+            watch: watch.clone(),
+        }
     }
 }

@@ -55,8 +55,7 @@ impl Coordinator {
         self.reported = predecessor.reported;
         self.recorder = recorder;
         self.last_record.clone_from(&predecessor.last_record);
-        let monitors = &mut self.watcher.monitors;
-        let unwatched = monitors.continue_from(&predecessor.watcher.monitors);
+        let unwatched = self.watcher.continue_from(&predecessor.watcher);
         if self.machine.steps() > 0 {
             self.update_timers(now)?;
         }

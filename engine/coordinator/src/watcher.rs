@@ -115,6 +115,16 @@ impl Watcher {
         self.violated_invariants.clear();
     }
 
+    /// Continues with the properties that the watcher of a predecessor has, too. Returns those that only the predecessor has.
+    pub fn continue_from(&mut self, predecessor: &Self) -> Vec<String> {
+        self.monitors.continue_from(&predecessor.monitors)
+    }
+
+    /// The rule that replaces the main rule in a step that violates a property.
+    pub fn safe_rule(&self) -> Option<AddedRule> {
+        self.safe_rule.as_ref().map(|it| it.rule)
+    }
+
     pub(crate) fn record(
         &self,
         specification: &Specification,

@@ -22,9 +22,9 @@ pub use profile::RecordingProfile;
 pub use read::{RecordingError, read_samples};
 #[cfg(feature = "mcap")]
 pub use replay::{
-    CoordinatorReplay, DifferenceKind, InputChange, LocationWriter, RecordedMachine,
-    RecordedMachines, ReplayCounts, ReplayFailure, ReplayOptions, RunFiles, RunItems, SourceTexts,
-    StepDifference, WrittenValue,
+    CoordinatorReplay, DifferenceKind, EditedSpecification, InputChange, LocationWriter,
+    RecordedMachine, RecordedMachines, ReplayCounts, ReplayFailure, ReplayOptions, RunFiles,
+    RunItems, SourceTexts, StepDifference, WrittenValue,
 };
 #[cfg(feature = "mcap")]
 pub use run::{

@@ -80,8 +80,7 @@ fn started(robots: usize) -> Simulation {
             let reading = interface.input("reading", "those of its robot");
             Box::new(Reader { reading, sum: 0 })
         };
-        let [sensor_name, reader_name] =
-            ["Sensor", "Reader"].map(|kind| format!("{kind}{robot}"));
+        let [sensor_name, reader_name] = ["Sensor", "Reader"].map(|kind| format!("{kind}{robot}"));
         system.add(&sensor_name, activity, sensor).unwrap();
         system.add(&reader_name, Activity::event(), reader).unwrap();
         let topic = format!("robot{robot}/reading");

@@ -39,8 +39,8 @@ impl CycleCause {
 
     /// Makes the newest recorded trace that of the cycle that begins.
     pub(crate) fn begin_cycle(&self) {
-        let has_arrived =
-            self.has_arrived.load(Ordering::Relaxed) && self.has_arrived.swap(false, Ordering::Acquire);
+        let has_arrived = self.has_arrived.load(Ordering::Relaxed)
+            && self.has_arrived.swap(false, Ordering::Acquire);
         self.set(has_arrived.then(|| self.newest.pop()).flatten());
     }
 

@@ -63,6 +63,12 @@ impl Repl {
                 "machine {number} began at {seconds:.3} s: `--machine {number}` selects it"
             ));
         }
+        if let Some((number, rule)) = &machine.safe_step {
+            terminal.warn(format_args!(
+                "the session ends before step {number}, which the safe rule `{rule}` made: `asmotion replay --until {number}` shows the \
+                 state after it"
+            ));
+        }
         Ok(ReplStart {
             path,
             session,

@@ -108,6 +108,8 @@ impl Export {
             format!(
                 "messages of services arrived before {at}, which neither a scenario nor a trace contains"
             )
+        } else if let Some(safe) = &cycle.replaced {
+            format!("the safe rule `{}` made the step at {at}", safe.rule)
         } else if replaced {
             format!("the specification was replaced before {at}")
         } else if has_steps && !cycle.begins.is_empty() {

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::rc::Rc;
 
 use asmotion_diagnostics::{or_did_you_mean, similar};
-use asmotion_lang::{Specification, simulate};
+use asmotion_lang::simulate;
 use asmotion_recording::{
-    ChainedCycle, CoordinatorReplay, FileEnd, RecordingItem, ReplayOptions, RunFiles, SourceTexts,
+    ChainedCycle, CoordinatorReplay, EditedSpecification, FileEnd, RecordingItem, ReplayOptions,
+    RunFiles, SourceTexts,
 };
 
 use super::export::{Export, ExportFormat};
@@ -20,7 +21,7 @@ pub struct ReplaySession<'a> {
     /// The coordinator to replay; `None` for all.
     pub component: Option<&'a str>,
     /// Specification in the place of the recorded one.
-    pub edited: Option<&'a Rc<Specification>>,
+    pub edited: Option<&'a Rc<EditedSpecification>>,
     /// The point at which it stops.
     pub until: Option<StopPoint>,
     /// Location whose last write is explained.
@@ -149,7 +150,7 @@ impl ReplaySession<'_> {
     fn selects(self, component: &str, specification: &str) -> bool {
         match (self.component, self.edited) {
             (Some(name), _) => name == component,
-            (None, Some(edited)) => *edited.model.name == *specification,
+            (None, Some(edited)) => *edited.name == *specification,
             (None, None) => true,
         }
     }

@@ -92,6 +92,13 @@ fn sides(difference: &StepDifference) -> Option<(String, String)> {
             let (recorded, replayed) = (recorded.as_ref(), replayed.as_ref());
             Some((written(recorded, replayed), written(replayed, recorded)))
         }
+        DifferenceKind::Rule { recorded, replayed } => {
+            let rule = |it: &Option<String>| match it {
+                Some(safe) => format!("the safe rule `{safe}`"),
+                None => "the main rule".to_owned(),
+            };
+            Some((rule(recorded), rule(replayed)))
+        }
         DifferenceKind::Fault { recorded, replayed }
         | DifferenceKind::Violation { recorded, replayed }
         | DifferenceKind::Extended { recorded, replayed }

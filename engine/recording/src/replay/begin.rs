@@ -2,8 +2,9 @@
 
 use std::rc::Rc;
 
-use asmotion_coordinator::{MachineBegin, MachineOrigin, Watcher};
+use asmotion_coordinator::{MachineBegin, MachineOrigin};
 use asmotion_lang::guards::PassedGuard;
+use asmotion_lang::ir::AddedRule;
 use asmotion_lang::machine::{Machine, TransferError};
 use asmotion_lang::{Specification, StepFault, simulate};
 
@@ -16,6 +17,8 @@ use super::inputs::inputs_at;
 pub(super) struct ReplayMachine {
     pub specification: Rc<Specification>,
     pub machine: Machine,
+    /// The rule that makes a step in place of the main rule.
+    pub safe_rule: Option<AddedRule>,
 }
 
 impl ReplayMachine {
@@ -37,6 +40,7 @@ impl ReplayMachine {
         let mut new = Self {
             specification,
             machine,
+            safe_rule: None,
         };
         new.set_agents(begin, is_edited)?;
         match (&begin.from, before) {

@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use asmotion_coordinator::{CycleCauses, MachineBegin, MachineOrigin, RecordedCycle};
+use asmotion_coordinator::{
+    CycleCauses, MachineBegin, MachineOrigin, RecordedCycle, StepSubject, Watch, WatchedStep,
+    Watcher,
+};
 use asmotion_lang::Specification;
 use asmotion_lang::guards::PassedGuard;
 use asmotion_lang::machine::Machine;
@@ -14,14 +17,14 @@ use super::difference::{DifferenceKind, StepDifference};
 use super::explanation::{InputChange, LocationWatch, LocationWriter};
 use super::failure::ReplayFailure;
 use super::inputs::{RecordedChooser, RecordedFrame};
-use super::sources::SourceTexts;
+use super::sources::{EditedSpecification, SourceTexts};
 use crate::run::{ChainedCycle, CoordinatorEnd, StepChain};
 
 /// Options of a replay.
 #[derive(Clone, Debug, Default)]
 pub struct ReplayOptions {
     /// Specification in the place of the recorded one.
-    pub edited: Option<Rc<Specification>>,
+    pub edited: Option<Rc<EditedSpecification>>,
     /// Location whose last write is wanted.
     pub explained: Option<String>,
     /// Keeps the candidates that `choose` rules take: see [`Machine::keep_candidates`].
@@ -49,11 +52,35 @@ pub struct ReplayCounts {
     pub last_number: u64,
 }
 
+/// Hashes of the sources of a specification, none for an edited one, and what is watched.
+type SpecificationKey = (Vec<String>, String);
+
+/// A specification with what is watched.
+struct WatchedSpecification {
+    specification: Rc<Specification>,
+    watcher: Watcher,
+}
+
+impl WatchedSpecification {
+    fn new(mut specification: Specification, watch: &Watch) -> Result<Self, ReplayFailure> {
+        let watcher = Watcher::new(&mut specification, watch);
+        let watcher = watcher.map_err(|error| ReplayFailure::Watch {
+            reason: error.to_string(),
+        })?;
+        Ok(Self {
+            specification: Rc::new(specification),
+            watcher,
+        })
+    }
+}
+
 /// Replays a coordinator.
 pub struct CoordinatorReplay {
     options: ReplayOptions,
-    /// Opened specifications, by the hashes of their sources.
-    specifications: BTreeMap<Vec<String>, Rc<Specification>>,
+    /// Opened specifications.
+    specifications: BTreeMap<SpecificationKey, WatchedSpecification>,
+    /// The specification of the machine.
+    current: SpecificationKey,
     chain: StepChain,
     /// `None` before the first machine, and after a gap.
     machine: Option<ReplayMachine>,
@@ -78,6 +105,7 @@ impl CoordinatorReplay {
         Self {
             options,
             specifications: BTreeMap::new(),
+            current: SpecificationKey::default(),
             chain: StepChain::default(),
             machine: None,
             recorded: None,
@@ -228,24 +256,28 @@ impl CoordinatorReplay {
         if let (MachineOrigin::Initial, Some(watch)) = (&begin.from, &mut self.watch) {
             watch.forget();
         }
-        let edited = self.options.edited.clone();
-        let recorded = self.specification(begin, texts);
-        let specification = match &edited {
+        let recorded = self.recorded(begin, texts);
+        let is_edited = self.options.edited.is_some();
+        let key = match self.options.edited.clone() {
             Some(edited) => {
-                self.recorded = recorded.ok();
-                self.new_functions = self.recorded.as_ref().map_or_else(BTreeSet::new, |it| {
-                    &silent_functions(edited) - &all_functions(it)
-                });
-                Rc::clone(edited)
+                let recorded = recorded.ok();
+                let recorded = recorded.and_then(|key| self.specifications.get(&key));
+                self.recorded = recorded.map(|it| Rc::clone(&it.specification));
+                self.edited(&edited, begin)?
             }
-            None => {
-                let recorded = recorded?;
-                self.recorded = Some(Rc::clone(&recorded));
-                recorded
-            }
+            None => recorded?,
         };
-        let is_edited = edited.is_some();
+        let specification = self.watch(key, &begin.from)?;
+        if is_edited {
+            self.new_functions = self.recorded.as_ref().map_or_else(BTreeSet::new, |it| {
+                &silent_functions(&specification) - &all_functions(it)
+            });
+        } else {
+            self.recorded = Some(Rc::clone(&specification));
+        }
         let mut machine = ReplayMachine::begin(specification, begin, before.as_ref(), is_edited)?;
+        let watched = self.specifications.get(&self.current);
+        machine.safe_rule = watched.and_then(|it| it.watcher.safe_rule());
         if self.options.keeps_candidates {
             machine.machine.keep_candidates();
         }
@@ -255,18 +287,70 @@ impl CoordinatorReplay {
     }
 
     /// Opens the recorded specification.
-    fn specification(
+    fn recorded(
         &mut self,
         begin: &MachineBegin,
         texts: &SourceTexts,
-    ) -> Result<Rc<Specification>, ReplayFailure> {
-        let key: Vec<_> = begin.sources.iter().map(|it| it.hash.clone()).collect();
-        if let Some(known) = self.specifications.get(&key) {
-            return Ok(Rc::clone(known));
+    ) -> Result<SpecificationKey, ReplayFailure> {
+        let hashes = begin.sources.iter().map(|it| it.hash.clone());
+        let key = (hashes.collect(), format!("{:?}", begin.watch));
+        if !self.specifications.contains_key(&key) {
+            let opened = WatchedSpecification::new(texts.open(begin)?, &begin.watch)?;
+            self.specifications.insert(key.clone(), opened);
         }
-        let opened = Rc::new(texts.open(begin)?);
-        self.specifications.insert(key, Rc::clone(&opened));
-        Ok(opened)
+        Ok(key)
+    }
+
+    /// Opens the edited specification. What was watched and does not fit it is left out.
+    fn edited(
+        &mut self,
+        edited: &EditedSpecification,
+        begin: &MachineBegin,
+    ) -> Result<SpecificationKey, ReplayFailure> {
+        let key = (Vec::new(), format!("{:?}", begin.watch));
+        if self.specifications.contains_key(&key) {
+            return Ok(key);
+        }
+        let opened = match WatchedSpecification::new(edited.open()?, &begin.watch) {
+            Ok(opened) => opened,
+            Err(error) => {
+                let number = self.counts.last_number + 1;
+                self.notes.insert(error.to_string(), number);
+                let own = Watch {
+                    is_off: begin.watch.is_off,
+                    ..Watch::default()
+                };
+                WatchedSpecification::new(edited.open()?, &own)?
+            }
+        };
+        self.specifications.insert(key.clone(), opened);
+        Ok(key)
+    }
+
+    /// Watches a machine of this specification that begins.
+    fn watch(
+        &mut self,
+        key: SpecificationKey,
+        from: &MachineOrigin,
+    ) -> Result<Rc<Specification>, ReplayFailure> {
+        let is_same = key == self.current;
+        // taken out, because it may continue from another one
+        let taken = self.specifications.remove(&key);
+        let mut watched = taken.ok_or(ReplayFailure::Frozen)?;
+        match from {
+            MachineOrigin::Predecessor { .. } if is_same => {}
+            MachineOrigin::Predecessor { .. } => {
+                watched.watcher.begin();
+                if let Some(before) = self.specifications.get(&self.current) {
+                    watched.watcher.continue_from(&before.watcher);
+                }
+            }
+            MachineOrigin::Initial | MachineOrigin::Frozen => watched.watcher.begin(),
+        }
+        let specification = Rc::clone(&watched.specification);
+        self.specifications.insert(key.clone(), watched);
+        self.current = key;
+        Ok(specification)
     }
 
     /// Repeats a step on the machine. Returns the first difference.
@@ -291,13 +375,21 @@ impl CoordinatorReplay {
         }
         // with the messages of the step, for an account of it
         let ready = is_edited.then(|| own.machine.clone());
-        let mut chooser = RecordedChooser::new(&cycle.choices);
+        let mut chooser = RecordedChooser::new(cycle);
         let steps = own.machine.steps();
-        let stepped = own
-            .machine
-            .step(&mut inputs, &mut chooser, cycle.time_ns)
-            .map(|_| ());
-        let fault = stepped.err().map(|fault| own.explained(&fault));
+        let subject = StepSubject {
+            specification: &own.specification,
+            machine: &mut own.machine,
+            inputs: &mut inputs,
+            chooser: &mut chooser,
+            now_ns: cycle.time_ns,
+        };
+        let watcher = self.specifications.get_mut(&self.current);
+        let made = watcher.map_or_else(WatchedStep::default, |it| {
+            it.watcher.step(subject, &|_| true)
+        });
+        let fault = made.failure.as_ref();
+        let fault = fault.map(|it| it.message(&own.specification, &own.machine));
         self.counts.failed += u64::from(fault.is_some() && cycle.fault.is_some());
         let causes = CycleCauses {
             cause: cycle.cause.clone(),
@@ -305,7 +397,11 @@ impl CoordinatorReplay {
             messages: cycle.messages.clone(),
             frame: cycle.frame.clone(),
         };
-        let replayed = RecordedCycle::of(&own.specification, &own.machine, steps, causes, fault);
+        let replayed = RecordedCycle {
+            violations: made.violations,
+            replaced: made.replaced,
+            ..RecordedCycle::of(&own.specification, &own.machine, steps, causes, fault)
+        };
         if let (Some(watch), Some(before)) = (&mut self.watch, before) {
             watch.note_step(before, prepared, cycle);
         }
@@ -356,7 +452,7 @@ impl CoordinatorReplay {
     fn note(
         &mut self,
         unfit: &[String],
-        chooser: &RecordedChooser<'_>,
+        chooser: &RecordedChooser,
         own: &ReplayMachine,
         number: u64,
     ) {

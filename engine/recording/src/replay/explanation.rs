@@ -125,12 +125,16 @@ impl LocationWatch {
         let mut updates = cycle.updates.iter();
         let recorded = updates.find(|it| without_blanks(&it.location) == self.location)?;
         let specification = &before.specification;
+        let safe_rule = before.safe_rule.filter(|_| cycle.replaced.is_some());
         let mut before = before.machine.clone();
         step.deliver(&mut before).ok()?;
         let machine = &mut before.clone();
         let (mut inputs, _) = step.readable_inputs(machine);
         // a step that breaks an invariant has made its updates
-        let _ = machine.step(&mut inputs, &mut step.choices(), step.now_ns);
+        let _ = match safe_rule {
+            Some(rule) => machine.step_with(rule, &mut inputs, &mut step.choices(), step.now_ns),
+            None => machine.step(&mut inputs, &mut step.choices(), step.now_ns),
+        };
         let mut updates = machine.last_step().updates().iter();
         let update =
             updates.find(|update| simulate::location(machine, update.slot) == recorded.location)?;

@@ -81,24 +81,26 @@ pub(super) fn inputs_at(
 
 /// Makes the recorded choices, and notes where there are others.
 #[derive(Debug)]
-pub(super) struct RecordedChooser<'a> {
-    choices: &'a [ChoiceRecord],
+pub(super) struct RecordedChooser {
+    choices: Vec<ChoiceRecord>,
     next: usize,
     /// Descriptions of the choices that the record does not determine.
     pub open: BTreeSet<String>,
 }
 
-impl<'a> RecordedChooser<'a> {
-    pub fn new(choices: &'a [ChoiceRecord]) -> Self {
+impl RecordedChooser {
+    /// Makes the choices of a step; those of a step that the safe rule replaced come first.
+    pub fn new(cycle: &RecordedCycle) -> Self {
+        let replaced = cycle.replaced.iter().flat_map(|it| &it.choices);
         Self {
-            choices,
+            choices: replaced.chain(&cycle.choices).copied().collect(),
             next: 0,
             open: BTreeSet::new(),
         }
     }
 }
 
-impl Chooser for RecordedChooser<'_> {
+impl Chooser for RecordedChooser {
     fn choose(&mut self, count: usize) -> usize {
         let recorded = self.choices.get(self.next);
         self.next += 1;

@@ -28,8 +28,10 @@ pub struct RecordedMachine {
     pub begin: MachineBegin,
     /// Time of its first step in the run.
     pub time_ns: i64,
-    /// Its steps. One that failed is among them only if it is the last.
+    /// Its steps, up to the first one that the safe rule made. One that failed is among them only if it is the last.
     pub steps: Vec<RecordedStep>,
+    /// Number of the first step that the safe rule made, and the rule.
+    pub safe_step: Option<(u64, String)>,
     /// Number of the last step, and the messages before it.
     last: (u64, Vec<RecordedMessage>),
 }
@@ -68,6 +70,7 @@ impl RecordedMachines {
                 begin: begin.clone(),
                 time_ns: cycle.time_ns,
                 steps: Vec::new(),
+                safe_step: None,
                 last: (0, Vec::new()),
             });
         }
@@ -87,6 +90,13 @@ impl RecordedMachines {
 
 impl RecordedMachine {
     fn add(&mut self, cycle: &RecordedCycle, frame: &RecordedFrame) {
+        if let Some(replaced) = &cycle.replaced {
+            let rule = || (cycle.number, replaced.rule.clone());
+            self.safe_step.get_or_insert_with(rule);
+        }
+        if self.safe_step.is_some() {
+            return;
+        }
         let (number, mut messages) = std::mem::take(&mut self.last);
         if number == cycle.number {
             // the step before has failed: this one takes its number, and finds its messages

@@ -76,6 +76,7 @@ pub(super) fn step() -> ChannelSchema {
     let source = object(json!({ "path": text(), "hash": text() }));
     let begin = object(json!({
         "from": origin, "agents": list(text()), "sources": list(source), "state": texts_by_location(),
+        "watch": { "type": "object" },
     }));
     let message = object(json!({
         "kind": text(), "from": text(), "to": text(), "operation": text(), "data": text(),
@@ -85,11 +86,15 @@ pub(super) fn step() -> ChannelSchema {
     let choice = object(json!({ "index": integer(), "of": integer() }));
     let update =
         object(json!({ "location": text(), "before": text(), "after": text(), "place": text() }));
+    let replaced = object(
+        json!({ "rule": text(), "choices": list(choice.clone()), "updates": list(update.clone()) }),
+    );
     let schema = object(json!({
         "specification": text(), "number": integer(), "time_ns": integer(), "cause": list(text()),
         "begins": list(begin), "messages": list(message), "frame": texts_by_location(),
         "read": list(read), "choices": list(choice), "updates": list(update),
-        "extended": list(text()), "sent": list(text()), "fault": text(), "frame_hash": text(),
+        "extended": list(text()), "sent": list(text()), "fault": text(),
+        "violations": list(json!({ "type": "object" })), "replaced": replaced, "frame_hash": text(),
         "state_hash": text(), "previous": text(), "hash": text(),
     }));
     ChannelSchema::Json("asmotion.Step".to_owned(), schema.to_string())
