@@ -287,16 +287,13 @@ impl MessageInputs {
         program: &Program,
     ) -> Vec<String> {
         let mut notices = Vec::new();
-        let mut checked = Vec::new();
+        let mut mistyped = Vec::new();
         for input in &mut self.inputs {
             let (port, mut dropped) = (input.from.port(), 0);
             if let Some(port) = port {
                 dropped += input.discard_stale(port, cycle);
                 notices.extend(input.expired(dropped, program));
             }
-            let queue = port.map_or(BufferKind::Data, |port| cycle.queue(port));
-            let typed = ports.iter().find(|it| Some(it.port) == port);
-            let expiries = port.map_or(&[][..], |port| cycle.expiries(port));
             let (messages, newest) = match input.from {
                 MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
                 MessageOrigin::Losses(port) => {
@@ -316,63 +313,17 @@ impl MessageInputs {
                     (received, received.last())
                 }
             };
-            // where only the newest message counts, it is the newest one that fits: no other one may hide it
-            let only_newest = input.takes_newest();
-            let count = if only_newest {
-                messages.len().max(newest.iter().len())
-            } else {
-                messages.len()
+            let arrived = ArrivedMessages {
+                messages,
+                newest,
+                expiries: port.map_or(&[][..], |port| cycle.expiries(port)),
+                queue: port.map_or(BufferKind::Data, |port| cycle.queue(port)),
+                typed: ports.iter().find(|it| Some(it.port) == port),
+                now: cycle.now(),
             };
-            for nth in 0..count {
-                let (position, message) = match (only_newest, newest) {
-                    (false, _) => (nth, messages.get(nth)),
-                    (true, newest) if nth == 0 => (nth, newest),
-                    (true, _) => (
-                        nth,
-                        messages
-                            .len()
-                            .checked_sub(nth + 1)
-                            .and_then(|at| messages.get(at)),
-                    ),
-                };
-                let Some(message) = message else { break };
-                let expiry = expiries.get(position).copied().flatten();
-                let message =
-                    match typed.map_or(Ok(Cow::Borrowed(message)), |it| it.fitting(message)) {
-                        Ok(message) => message,
-                        Err(error) => {
-                            // a port is bound to several functions, but has one type
-                            self.losses.misfits += u64::from(!checked.contains(&port));
-                            notices.extend(input.mistyped(typed, &error, message));
-                            continue;
-                        }
-                    };
-                let message = &*message;
-                match input.take(message, cycle.now(), queue, expiry, program) {
-                    Taken::Yes => {}
-                    Taken::Dropped(count) => dropped += count,
-                    Taken::Refused => {
-                        self.losses.misfits += 1;
-                        notices.extend(input.refused(message, program));
-                    }
-                    Taken::Misfit => {
-                        self.losses.misfits += 1;
-                        let typed = typed.map(|it| &*it.name);
-                        notices.extend(input.misfit(typed, message, requests, program));
-                        continue;
-                    }
-                    Taken::UnknownKey => {
-                        self.losses.misfits += 1;
-                        if !std::mem::replace(&mut input.reported_key, true) {
-                            notices.push(input.unknown_key(message, program));
-                        }
-                    }
-                }
-                if only_newest {
-                    break;
-                }
-            }
-            checked.push(port);
+            let lost = input.take_all(&arrived, (requests, program), &mut mistyped, &mut notices);
+            self.losses.misfits += lost.misfits;
+            dropped += lost.dropped;
             self.losses.dropped += dropped;
             match port {
                 Some(port) => cycle.count_lost(port, dropped),
@@ -449,6 +400,49 @@ impl MessageInputs {
             }
         }
         Ok(())
+    }
+}
+
+/// The messages of a cycle for an input.
+struct ArrivedMessages<'a> {
+    messages: &'a [Datum],
+    /// The newest one, if there is a new one.
+    newest: Option<&'a Datum>,
+    expiries: &'a [Option<Time>],
+    queue: BufferKind,
+    /// The port at which they arrived; `None` for requests.
+    typed: Option<&'a TypedInput>,
+    now: Time,
+}
+
+impl<'a> ArrivedMessages<'a> {
+    /// Iterates over the messages with their positions: in their order or, where only the newest one counts, from that one back,
+    /// because it may not fit, and must not hide one that does.
+    fn each(&self, only_newest: bool) -> impl Iterator<Item = (usize, &'a Datum)> + use<'a> {
+        let last = self.messages.len().saturating_sub(1);
+        let newest = self.newest.filter(|_| only_newest);
+        let newest = newest.map(|newest| (last, newest));
+        let (in_order, older) = match (only_newest, newest) {
+            (false, _) => (self.messages, &[][..]),
+            (true, Some(_)) => (&[][..], self.messages),
+            (true, None) => (&[][..], &[][..]),
+        };
+        let older = older.iter().enumerate().rev().skip(1);
+        newest
+            .into_iter()
+            .chain(older)
+            .chain(in_order.iter().enumerate())
+    }
+
+    /// The message as typed readers see it; the port and the error if it does not have the type of the port.
+    fn fitting<'m>(
+        &self,
+        message: &'m Datum,
+    ) -> Result<Cow<'m, Datum>, (&'a TypedInput, DatumError)> {
+        match self.typed {
+            Some(typed) => typed.fitting(message).map_err(|error| (typed, error)),
+            None => Ok(Cow::Borrowed(message)),
+        }
     }
 }
 
@@ -542,6 +536,59 @@ impl BoundInput {
             }
         }
         removed
+    }
+
+    /// Takes the messages of a cycle. Adds notices about those that do not fit, and returns the numbers of lost ones. A message of
+    /// another type than its port is counted for the first function that the port is bound to, and added to `mistyped`.
+    fn take_all(
+        &mut self,
+        arrived: &ArrivedMessages<'_>,
+        (requests, program): (&Requests, &Program),
+        mistyped: &mut Vec<(In<Datum>, usize)>,
+        notices: &mut Vec<String>,
+    ) -> Losses {
+        let mut lost = Losses::default();
+        let only_newest = self.takes_newest();
+        for (position, message) in arrived.each(only_newest) {
+            let expiry = arrived.expiries.get(position).copied().flatten();
+            let message = match arrived.fitting(message) {
+                Ok(message) => message,
+                Err((typed, error)) => {
+                    let key = (typed.port, position);
+                    if !mistyped.contains(&key) {
+                        mistyped.push(key);
+                        lost.misfits += 1;
+                        notices.extend(self.mistyped(typed, &error, message));
+                    }
+                    continue;
+                }
+            };
+            let message = &*message;
+            match self.take(message, arrived.now, arrived.queue, expiry, program) {
+                Taken::Yes => {}
+                Taken::Dropped(count) => lost.dropped += count,
+                Taken::Refused => {
+                    lost.misfits += 1;
+                    notices.extend(self.refused(message, program));
+                }
+                Taken::Misfit => {
+                    lost.misfits += 1;
+                    let typed = arrived.typed.map(|it| &*it.name);
+                    notices.extend(self.misfit(typed, message, requests, program));
+                    continue;
+                }
+                Taken::UnknownKey => {
+                    lost.misfits += 1;
+                    if !std::mem::replace(&mut self.reported_key, true) {
+                        notices.push(self.unknown_key(message, program));
+                    }
+                }
+            }
+            if only_newest {
+                break;
+            }
+        }
+        lost
     }
 
     fn take(
@@ -674,11 +721,11 @@ impl BoundInput {
     /// Describes a message that is not of the type of its port.
     fn mistyped(
         &mut self,
-        port: Option<&TypedInput>,
+        port: &TypedInput,
         error: &DatumError,
         message: &Datum,
     ) -> Option<String> {
-        let TypedInput { name, schema, .. } = port?;
+        let TypedInput { name, schema, .. } = port;
         self.causes.new_cause(|| {
             let found = shown(message);
             format!("`{name}` (`{schema}`) refuses a message: {error}; found {found}")
