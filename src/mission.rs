@@ -132,6 +132,10 @@ pub struct MissionEnd {
     pub failed: Vec<String>,
     /// Inputs, as `component.port`, with the number of messages lost on the way to them; those without losses are omitted.
     pub lost: Vec<(String, u64)>,
+    /// Lines of the last changes that the story has only counted.
+    pub last_changes: Vec<String>,
+    /// Components with the number of messages and requests that did not fit them; those without are omitted.
+    pub unsuitable: Vec<(String, u64)>,
     /// The coordinators and what they wait for, if the time was up.
     pub stalled: Vec<StalledCoordinator>,
     /// Recording of the run; `None` if it was not recorded as MCAP.
@@ -366,7 +370,7 @@ impl Mission {
         // pending calls are answered before their providers stop
         drop(gateways);
         run.stop();
-        let lost = lost_messages(&*run);
+        let (lost, unsuitable) = (lost_messages(&*run), unsuitable_messages(&*run));
         // the last messages of the components are sent before the bus closes
         contacts.iter_mut().for_each(ProcessContact::leave);
         drop((run, contacts, successor, dashboard));
@@ -377,6 +381,8 @@ impl Mission {
             summary,
             failed,
             lost,
+            last_changes: lock(&story).last_changes(),
+            unsuitable,
             stalled,
             recording,
             time,
@@ -548,4 +554,11 @@ fn lost_messages(run: &dyn Run) -> Vec<(String, u64)> {
         all.extend(lost.map(|(port, count)| (format!("{component}.{}", port.name), count)));
     }
     all
+}
+
+/// The components that refused messages, and the numbers of these.
+fn unsuitable_messages(run: &dyn Run) -> Vec<(String, u64)> {
+    let components = run.components().into_iter();
+    let counts = components.map(|it| (it.clone(), run.losses(&it).misfits));
+    counts.filter(|(_, count)| *count > 0).collect()
 }

@@ -61,16 +61,31 @@ struct StoryEntry {
     line: String,
     /// Name under which repetitions are counted; `None` if each occurrence is reported.
     again: Option<String>,
+    /// It says a value, the last of which is reported at the end.
+    is_change: bool,
 }
 
 impl StoryEntry {
     fn single(line: String) -> Self {
-        Self { line, again: None }
+        Self {
+            line,
+            again: None,
+            is_change: false,
+        }
     }
 
     fn repeatable(line: String, name: String) -> Self {
-        let again = Some(name);
-        Self { line, again }
+        Self {
+            again: Some(name),
+            ..Self::single(line)
+        }
+    }
+
+    fn change(line: String, name: String) -> Self {
+        Self {
+            is_change: true,
+            ..Self::repeatable(line, name)
+        }
     }
 }
 
@@ -107,7 +122,10 @@ impl Story {
         let entry = self.entry(at, event);
         let repeated = self.repeats.due(at, entry.as_ref());
         let entry = entry.filter(|entry| match &entry.again {
-            Some(name) => self.repeats.is_new(at, name),
+            Some(name) => {
+                let change = entry.is_change.then_some(&*entry.line);
+                self.repeats.is_new(at, name, change)
+            }
             None => true,
         });
         let entry = entry.map(|entry| stamped(at, &entry.line));
@@ -115,6 +133,12 @@ impl Story {
             (Some(repeated), Some(entry)) => Some(format!("{repeated}\n{entry}")),
             (repeated, entry) => repeated.or(entry),
         }
+    }
+
+    /// The last changes that have only been counted, for the end of a run.
+    pub fn last_changes(&mut self) -> Vec<String> {
+        let changes = self.repeats.last_changes().into_iter();
+        changes.map(|(at, line)| stamped(at, &line)).collect()
     }
 
     fn entry(&mut self, at: Time, event: &Event<'_>) -> Option<StoryEntry> {

@@ -12,7 +12,7 @@ use asmotion_coordinator::{
     FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT, StepRecord, VIOLATION_REPORT,
     ViolationRecord,
 };
-use asmotion_datum::{Datum, Sample, cbor};
+use asmotion_datum::{Datum, Sample, cbor, json};
 use asmotion_runtime::Event;
 use std::fmt::Write;
 
@@ -125,7 +125,7 @@ impl MissionTrace {
                 property,
                 value,
             } => {
-                format!("property {component}.{property} {value:?}")
+                format!("property {component}.{property} {}", written(value))
             }
             Event::Report {
                 component,
@@ -155,6 +155,11 @@ fn outcome(result: Result<&dyn Sample, &CallError>) -> String {
     }
 }
 
+/// A value as JSON: complete, and scalars as the language writes them.
+fn written(value: &Datum) -> String {
+    json::encode(value).unwrap_or_else(|_| value.to_string())
+}
+
 fn report(component: &str, kind: &str, what: &Datum) -> String {
     let mut line = format!("report {component} {kind}");
     if kind == VIOLATION_REPORT
@@ -180,7 +185,7 @@ fn report(component: &str, kind: &str, what: &Datum) -> String {
             }
         }
         _ => {
-            let _ = write!(line, " {what:?}");
+            let _ = write!(line, " {}", written(what));
         }
     }
     line

@@ -481,9 +481,14 @@ fn tools_see_who_is_there_and_take_part() {
     for (message, reason) in [(r#"{"data":5}"#, "`data`"), (r#"{"dat":true}"#, "`dat`")] {
         let (code, _, err) = tool(&["topic", "pub", "navigation.estop", message]);
         assert_eq!(code, Some(2), "{err}");
-        let reader =
-            "`navigation.ASMCoordinator.estop` reads `navigation.estop` as `std_msgs/Bool`";
+        let reader = "`navigation.ASMCoordinator.estop` takes std_msgs/Bool";
         assert!(err.contains(reader) && err.contains(reason), "{err}");
+        // so is one to a port of the specification alone, which would only count it
+        let write = ["port", "write", "ASMCoordinator.estop", message];
+        let (code, out, err) = tool(&write);
+        assert_eq!((code, &*out), (Some(2), ""), "{err}");
+        let port = "`ASMCoordinator.estop` takes std_msgs/Bool";
+        assert!(err.contains(port) && err.contains(reason), "{err}");
         let unchecked = ["topic", "pub", "navigation.estop", message, "--unchecked"];
         assert_eq!(tool(&unchecked).0, Some(0));
     }

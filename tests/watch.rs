@@ -256,9 +256,15 @@ fn a_recording_is_replayed_with_its_safe_rule() {
 
     // neither a session nor a scenario goes beyond the step of the safe rule, and both say so
     let (_, out) = run(&["replay", "run.mcap", "--export", "scenario"]);
-    assert!(out.contains("the safe rule `r_halt[IDLE]` made the step"), "{out}");
+    assert!(
+        out.contains("the safe rule `r_halt[IDLE]` made the step"),
+        "{out}"
+    );
     let (_, out) = run(&["repl", "--from", "run.mcap"]);
-    assert!(out.contains("which the safe rule `r_halt[IDLE]` made"), "{out}");
+    assert!(
+        out.contains("which the safe rule `r_halt[IDLE]` made"),
+        "{out}"
+    );
 }
 
 #[test]

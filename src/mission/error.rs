@@ -1,5 +1,6 @@
 //! Errors of starting a mission.
 
+use asmotion_bus::BusError;
 use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_lang::simulate::AwaitError;
 use asmotion_lang::{Report, Sources};
@@ -62,7 +63,7 @@ pub enum MissionError {
         /// Address of the broker.
         location: String,
         /// Error of the connection.
-        reason: asmotion_bus::BusError,
+        reason: BusError,
     },
     /// A gateway cannot listen.
     Gateway {
@@ -172,6 +173,21 @@ impl fmt::Display for MissionError {
                 write!(
                     to,
                     "`{process}` is one of several processes, which communicate over a broker: add `--bus {address}`{hint}, or remove `--process` to run all of them in one"
+                )
+            }
+            Self::Broker {
+                location,
+                reason: reason @ BusError::Served { address },
+            } => {
+                let other = match address.strip_prefix("reconfigure.") {
+                    Some(process) => {
+                        format!("the process `{process}` of a robot of this name runs already")
+                    }
+                    None => "another process of a robot of this name provides it".to_owned(),
+                };
+                write!(
+                    to,
+                    "broker at {location}: {reason}: {other}\n  `asmotion component list` shows what runs; stop it, or give this robot another name with `--robot NAME`"
                 )
             }
             Self::Broker { location, reason } => write!(

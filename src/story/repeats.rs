@@ -24,15 +24,24 @@ const FEW: u64 = 3;
 #[derive(Debug, Default)]
 pub(super) struct RepeatedEntries {
     last: BTreeMap<String, Time>,
-    /// Number of repetitions, in order of the first one.
-    counts: Vec<(String, u64)>,
+    /// What has been counted, in order of the first repetition.
+    counts: Vec<CountedEntry>,
     /// Start of counting; `None` if nothing has been counted.
     since: Option<Time>,
 }
 
+/// Repetitions of an entry that have only been counted.
+#[derive(Debug)]
+struct CountedEntry {
+    name: String,
+    count: u64,
+    /// The last one, if it says a value.
+    change: Option<(Time, String)>,
+}
+
 impl RepeatedEntries {
-    /// Returns whether an entry must be reported; otherwise it is counted.
-    pub(super) fn is_new(&mut self, at: Time, name: &str) -> bool {
+    /// Returns whether an entry must be reported; otherwise it is counted, and its text kept if it is that of a change.
+    pub(super) fn is_new(&mut self, at: Time, name: &str, change: Option<&str>) -> bool {
         let soon = self.happened_soon(at, name);
         if self.last.len() >= MOST {
             self.last.retain(|_, last| at.since(*last) < SOON);
@@ -40,9 +49,17 @@ impl RepeatedEntries {
         self.last.insert(name.to_owned(), at);
         if soon {
             self.since.get_or_insert(at);
-            match self.counts.iter_mut().find(|(known, _)| known == name) {
-                Some((_, count)) => *count += 1,
-                None => self.counts.push((name.to_owned(), 1)),
+            let change = change.map(|line| (at, line.to_owned()));
+            match self.counts.iter_mut().find(|known| known.name == name) {
+                Some(known) => {
+                    known.count += 1;
+                    known.change = change;
+                }
+                None => self.counts.push(CountedEntry {
+                    name: name.to_owned(),
+                    count: 1,
+                    change,
+                }),
             }
         }
         !soon
@@ -55,7 +72,7 @@ impl RepeatedEntries {
             Some(name) => !self.happened_soon(at, name),
             None => true,
         });
-        let count: u64 = self.counts.iter().map(|(_, count)| count).sum();
+        let count: u64 = self.counts.iter().map(|it| it.count).sum();
         let interrupted = interrupted && count >= FEW;
         if !interrupted && at.since(since) < EVERY {
             return None;
@@ -63,13 +80,44 @@ impl RepeatedEntries {
         self.since = None;
         let counts = self.counts.drain(..);
         let counts: Vec<String> = counts
-            .map(|(name, count)| format!("{name} ×{count}"))
+            .map(|it| format!("{} ×{}", it.name, it.count))
             .collect();
         Some(format!("{FAINT}again {}{FAINT:#}", counts.join(", ")))
+    }
+
+    /// The last changes among what has only been counted, in the order of their times. A run that ends would hide them.
+    pub(super) fn last_changes(&mut self) -> Vec<(Time, String)> {
+        let counts = self.counts.drain(..);
+        let mut changes: Vec<(Time, String)> = counts.filter_map(|it| it.change).collect();
+        changes.sort_by_key(|(at, _)| *at);
+        self.since = None;
+        changes
     }
 
     fn happened_soon(&self, at: Time, name: &str) -> bool {
         let last = self.last.get(name);
         last.is_some_and(|last| at.since(*last) < SOON)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(millis: u64) -> Time {
+        Time::ZERO + Duration::from_millis(millis)
+    }
+
+    #[test]
+    fn the_last_change_is_told_at_the_end() {
+        let mut repeats = RepeatedEntries::default();
+        assert!(repeats.is_new(at(0), "D last", Some("last := 5")));
+        assert!(repeats.last_changes().is_empty(), "it has been reported");
+        assert!(!repeats.is_new(at(100), "D last", Some("last := 6")));
+        assert!(repeats.is_new(at(150), "D steps", None));
+        assert!(!repeats.is_new(at(200), "D steps", None));
+        assert!(!repeats.is_new(at(300), "D last", Some("last := 0")));
+        assert_eq!(repeats.last_changes(), [(at(300), "last := 0".to_owned())]);
+        assert!(repeats.last_changes().is_empty());
     }
 }

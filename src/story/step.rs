@@ -13,10 +13,14 @@ pub(super) fn entry(component: &str, record: &StepRecord) -> StoryEntry {
     let number = record.number;
     let Some(control) = control(record) else {
         let (changed, locations) = changed(record);
-        return StoryEntry::repeatable(
-            format!("{FAINT}step {number}  {changed}{FAINT:#}"),
-            format!("{component} {locations}"),
-        );
+        let line = format!("{FAINT}step {number}  {changed}{FAINT:#}");
+        let name = format!("{component} {locations}");
+        let has_changes = record.updates.iter().any(|it| it.before != it.after);
+        return if has_changes {
+            StoryEntry::change(line, name)
+        } else {
+            StoryEntry::repeatable(line, name)
+        };
     };
     let UpdateRecord { before, after, .. } = control;
     let head = format!(

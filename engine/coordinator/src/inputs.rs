@@ -3,10 +3,12 @@
 //! A step sees at most one event of a location with `receive = "all"`; further events wait in order for the following
 //! steps. Otherwise one event could hide another in the same frame, for example a REACHED a BLOCKED.
 
+mod arrived;
 mod bound;
 
+use self::arrived::ArrivedMessages;
 pub(crate) use self::bound::{BoundInput, InputLocation};
-use self::bound::{LostMessages, MessageCondition, MessageOrigin, Taken, origin};
+use self::bound::{LostMessages, MessageCondition, MessageOrigin, origin};
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Receive};
 use crate::bound_location::BoundLocations;
@@ -24,7 +26,6 @@ use asmotion_lang::Specification;
 use asmotion_lang::ir::{FunctionId, Program, ValueShape};
 use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::value::Value;
-use std::borrow::Cow;
 
 /// The bound inputs of a specification.
 pub(crate) struct MessageInputs {
@@ -224,16 +225,13 @@ impl MessageInputs {
         program: &Program,
     ) -> Vec<String> {
         let mut notices = Vec::new();
-        let mut checked = Vec::new();
+        let mut mistyped = Vec::new();
         for input in &mut self.inputs {
             let (port, mut dropped) = (input.from.port(), 0);
             if let Some(port) = port {
                 dropped += input.discard_stale(port, cycle);
                 notices.extend(input.expired(dropped, program));
             }
-            let queue = port.map_or(BufferKind::Data, |port| cycle.queue(port));
-            let typed = ports.iter().find(|it| Some(it.port) == port);
-            let expiries = port.map_or(&[][..], |port| cycle.expiries(port));
             let (messages, newest) = match input.from {
                 MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
                 MessageOrigin::Losses(port) => {
@@ -253,63 +251,17 @@ impl MessageInputs {
                     (received, received.last())
                 }
             };
-            // where only the newest message counts, it is the newest one that fits: no other one may hide it
-            let only_newest = input.takes_newest();
-            let count = if only_newest {
-                messages.len().max(newest.iter().len())
-            } else {
-                messages.len()
+            let arrived = ArrivedMessages {
+                messages,
+                newest,
+                expiries: port.map_or(&[][..], |port| cycle.expiries(port)),
+                queue: port.map_or(BufferKind::Data, |port| cycle.queue(port)),
+                typed: ports.iter().find(|it| Some(it.port) == port),
+                now: cycle.now(),
             };
-            for nth in 0..count {
-                let (position, message) = match (only_newest, newest) {
-                    (false, _) => (nth, messages.get(nth)),
-                    (true, newest) if nth == 0 => (nth, newest),
-                    (true, _) => (
-                        nth,
-                        messages
-                            .len()
-                            .checked_sub(nth + 1)
-                            .and_then(|at| messages.get(at)),
-                    ),
-                };
-                let Some(message) = message else { break };
-                let expiry = expiries.get(position).copied().flatten();
-                let message =
-                    match typed.map_or(Ok(Cow::Borrowed(message)), |it| it.fitting(message)) {
-                        Ok(message) => message,
-                        Err(error) => {
-                            // a port is bound to several functions, but has one type
-                            self.losses.misfits += u64::from(!checked.contains(&port));
-                            notices.extend(input.mistyped(typed, &error, message));
-                            continue;
-                        }
-                    };
-                let message = &*message;
-                match input.take(message, cycle.now(), queue, expiry, program) {
-                    Taken::Yes => {}
-                    Taken::Dropped(count) => dropped += count,
-                    Taken::Refused => {
-                        self.losses.misfits += 1;
-                        notices.extend(input.refused(message, program));
-                    }
-                    Taken::Misfit => {
-                        self.losses.misfits += 1;
-                        let typed = typed.map(|it| &*it.name);
-                        notices.extend(input.misfit(typed, message, requests, program));
-                        continue;
-                    }
-                    Taken::UnknownKey => {
-                        self.losses.misfits += 1;
-                        if !std::mem::replace(&mut input.reported_key, true) {
-                            notices.push(input.unknown_key(message, program));
-                        }
-                    }
-                }
-                if only_newest {
-                    break;
-                }
-            }
-            checked.push(port);
+            let lost = input.take_all(&arrived, (requests, program), &mut mistyped, &mut notices);
+            self.losses.misfits += lost.misfits;
+            dropped += lost.dropped;
             self.losses.dropped += dropped;
             match port {
                 Some(port) => cycle.count_lost(port, dropped),

@@ -17,6 +17,7 @@ const PRESENCE: &str = "presence.*";
 /// The parts of a component's description that clients get. Properties are left out, because they can be confidential.
 const LISTED: &[&str] = &[
     "name",
+    "id",
     "state",
     "period_ms",
     "cycles",
@@ -56,18 +57,21 @@ impl ComponentListing {
         response_of(&Datum::record([("components", components)]))
     }
 
-    /// The description of one component.
+    /// The description of one component, by its name or by the identifier of its task.
     pub(crate) fn one(&self, name: &str) -> Result<HttpResponse, Problem> {
         let components = self.last();
-        let found = components
-            .iter()
-            .find(|component| name_of(component) == name);
-        match found {
+        let called = |field: &str| components.iter().find(|it| text_of(it, field) == name);
+        match called("name").or_else(|| called("id")) {
             Some(component) => response_of(component),
-            None => Err(Problem::UnknownComponent {
-                name: name.to_owned(),
-                available: components.iter().map(name_of).collect(),
-            }),
+            None => {
+                let names = components.iter().map(|it| text_of(it, "name"));
+                let ids = components.iter().map(|it| text_of(it, "id"));
+                let available = names.chain(ids.filter(|id| !id.is_empty())).collect();
+                Err(Problem::UnknownComponent {
+                    name: name.to_owned(),
+                    available,
+                })
+            }
         }
     }
 
@@ -108,9 +112,9 @@ fn entries(pairs: &Datum) -> Vec<(String, Datum)> {
         .collect()
 }
 
-fn name_of(component: &Datum) -> String {
-    let name = component.get("name");
-    name.and_then(|name| Some(name.as_text()?.to_owned()))
+fn text_of(component: &Datum, field: &str) -> String {
+    let text = component.get(field);
+    text.and_then(|name| Some(name.as_text()?.to_owned()))
         .unwrap_or_default()
 }
 

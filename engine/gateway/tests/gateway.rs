@@ -126,7 +126,7 @@ fn empty() -> GatewayService {
 /// Publishes the description of a process on a bus.
 fn describe(bus: &LocalBus, state: &str) {
     let component = json!({
-        "name": "Coordinator", "state": "Running", "cycles": 12, "properties": [["password", "secret"]],
+        "name": "Coordinator", "id": "office_coordinator", "state": "Running", "cycles": 12, "properties": [["password", "secret"]],
         "inspection": [["state", { "mode": state }], ["calls", ["planner.plan"]]],
     });
     let presence = json!({ "process": "robot", "components": [component] }).to_string();
@@ -156,6 +156,18 @@ fn components_are_listed_with_the_state_that_they_describe() {
     assert!(!said.body.contains("secret"), "properties are confidential");
     let all = client.get("/components").json;
     assert_eq!(all["components"], json!([said.json]));
+    let by_id = client.get("/components/office_coordinator");
+    assert_eq!(
+        (by_id.status, by_id.json["id"].as_str(), &by_id.json),
+        (200, Some("office_coordinator"), &said.json)
+    );
+    let said = client.get("/components/office_coordinater");
+    is_problem(
+        &said,
+        404,
+        "NO_COMPONENT",
+        &["did you mean `office_coordinator`?"],
+    );
     let said = client.get("/components/Coordinater");
     is_problem(&said, 404, "NO_COMPONENT", &["did you mean `Coordinator`?"]);
     is_problem(

@@ -9,6 +9,7 @@ use asmotion_runtime::{Asked, Run, RunError};
 use serde::{Deserialize, Serialize};
 
 use crate::last_samples::LastSamples;
+use crate::message_check::check_message;
 use crate::order_error::OrderError;
 use crate::presence::PresentComponent;
 
@@ -117,7 +118,8 @@ impl Order {
     }
 
     fn write(&self, port: &str, value: &Datum, run: &mut dyn Run) -> Result<(), OrderError> {
-        self.input(port, run)?;
+        let name = self.full_name(port);
+        check_message(value, &name, &self.input(port, run)?.schema)?;
         let now = run.now();
         Ok(run.inject_sample(now, &self.full_name(port), Arc::new(value.clone()))?)
     }

@@ -135,6 +135,7 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
         "failed_components": end.failed,
         "lost": end.lost.iter().map(|(input, count)| json!({ "input": input, "count": count })).collect::<Vec<_>>(),
+        "unsuitable": end.unsuitable.iter().map(|(component, count)| json!({ "component": component, "count": count })).collect::<Vec<_>>(),
         "stalled": end.stalled.iter().map(stalled_json).collect::<Vec<_>>(),
         "collisions": summary.collisions,
         "robots": summary.robots.all().map(|robot| robot_json(&robot)).collect::<Vec<_>>(),
@@ -224,6 +225,9 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
         MissionOutcome::TimeUp | MissionOutcome::Stopped => NOTE,
     };
     let seconds = end.time.as_secs_f64();
+    for line in &end.last_changes {
+        terminal.progress(line);
+    }
     terminal.progress("");
     terminal.result(format_args!(
         "{style}{}{style:#}{}",
@@ -270,6 +274,11 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     for (input, count) in &end.lost {
         terminal.result(format_args!(
             "  {NOTE}lost{NOTE:#}       {count} messages to {input}"
+        ));
+    }
+    for (component, count) in &end.unsuitable {
+        terminal.result(format_args!(
+            "  {NOTE}unsuitable{NOTE:#} {count} messages to {component}"
         ));
     }
     for stalled in &end.stalled {

@@ -5,7 +5,7 @@ use crate::exit::Exit;
 use crate::terminal::TerminalOutput;
 use asmotion_bus::{Payload, PublishOptions, SenderId};
 use asmotion_datum::{Codec, Datum, Schema};
-use asmotion_remote::Remote;
+use asmotion_remote::{Remote, check_message};
 use clap::Args;
 use std::num::NonZeroUsize;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -106,10 +106,8 @@ fn expected(input: &str, remote: &Remote) -> Option<(String, Schema)> {
 /// Checks a message against the types of all readers.
 fn check(message: &Datum, topic: &str, readers: &[(String, Schema)]) -> Result<(), String> {
     for (input, schema) in readers {
-        schema.accepts(message).map_err(|error| {
-            format!(
-                "`{input}` reads `{topic}` as `{schema}`, and the message does not fit: {error} (`--unchecked` publishes it anyway)"
-            )
+        check_message(message, input, schema).map_err(|error| {
+            format!("a reader of `{topic}` refuses the message: {error} (`--unchecked` publishes it anyway)")
         })?;
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! A bound monitored function: which messages its locations take, and their values in a step.
 
+use super::arrived::ArrivedMessages;
 use crate::bind_error::BindError;
 use crate::binding::{Argument, Constant, Monitored, Receive, Source};
 use crate::bound_location::BoundLocations;
@@ -10,7 +11,7 @@ use crate::misfit::{MisfitCauses, domain_text, shown};
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
-use asmotion_component::{BufferKind, Cycle, Flow, In, Time};
+use asmotion_component::{BufferKind, Cycle, Flow, In, Losses, Time};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
 use asmotion_lang::value::Value;
@@ -83,7 +84,7 @@ pub(super) enum MessageOrigin {
 }
 
 /// Result of taking a message into the locations of an input.
-pub(super) enum Taken {
+enum Taken {
     Yes,
     /// It was queued, and this many older events were dropped for it.
     Dropped(u64),
@@ -151,7 +152,7 @@ impl BoundInput {
 
     /// Returns whether only the newest message of a cycle counts. With a key, each message is for a location of its
     /// own; with a condition, the newest one may be refused.
-    pub(super) fn takes_newest(&self) -> bool {
+    fn takes_newest(&self) -> bool {
         let of_state = match self.receive {
             Receive::Last => true,
             Receive::Edge => self.is.is_empty(),
@@ -174,7 +175,60 @@ impl BoundInput {
         removed
     }
 
-    pub(super) fn take(
+    /// Takes the messages of a cycle. Adds notices about those that do not fit, and returns the numbers of lost ones. A message of
+    /// another type than its port is counted for the first function that the port is bound to, and added to `mistyped`.
+    pub(super) fn take_all(
+        &mut self,
+        arrived: &ArrivedMessages<'_>,
+        (requests, program): (&Requests, &Program),
+        mistyped: &mut Vec<(In<Datum>, usize)>,
+        notices: &mut Vec<String>,
+    ) -> Losses {
+        let mut lost = Losses::default();
+        let only_newest = self.takes_newest();
+        for (position, message) in arrived.each(only_newest) {
+            let expiry = arrived.expiries.get(position).copied().flatten();
+            let message = match arrived.fitting(message) {
+                Ok(message) => message,
+                Err((typed, error)) => {
+                    let key = (typed.port, position);
+                    if !mistyped.contains(&key) {
+                        mistyped.push(key);
+                        lost.misfits += 1;
+                        notices.extend(self.mistyped(typed, &error, message));
+                    }
+                    continue;
+                }
+            };
+            let message = &*message;
+            match self.take(message, arrived.now, arrived.queue, expiry, program) {
+                Taken::Yes => {}
+                Taken::Dropped(count) => lost.dropped += count,
+                Taken::Refused => {
+                    lost.misfits += 1;
+                    notices.extend(self.refused(message, program));
+                }
+                Taken::Misfit => {
+                    lost.misfits += 1;
+                    let typed = arrived.typed.map(|it| &*it.name);
+                    notices.extend(self.misfit(typed, message, requests, program));
+                    continue;
+                }
+                Taken::UnknownKey => {
+                    lost.misfits += 1;
+                    if !std::mem::replace(&mut self.reported_key, true) {
+                        notices.push(self.unknown_key(message, program));
+                    }
+                }
+            }
+            if only_newest {
+                break;
+            }
+        }
+        lost
+    }
+
+    fn take(
         &mut self,
         message: &Datum,
         now: Time,
@@ -288,7 +342,7 @@ impl BoundInput {
     }
 
     /// Describes the first message that is refused.
-    pub(super) fn refused(&mut self, message: &Datum, program: &Program) -> Option<String> {
+    fn refused(&mut self, message: &Datum, program: &Program) -> Option<String> {
         let condition = self.matching.as_mut()?;
         if std::mem::replace(&mut condition.reported, true) {
             return None;
@@ -302,13 +356,13 @@ impl BoundInput {
     }
 
     /// Describes a message that is not of the type of its port.
-    pub(super) fn mistyped(
+    fn mistyped(
         &mut self,
-        port: Option<&TypedInput>,
+        port: &TypedInput,
         error: &DatumError,
         message: &Datum,
     ) -> Option<String> {
-        let TypedInput { name, schema, .. } = port?;
+        let TypedInput { name, schema, .. } = port;
         self.causes.new_cause(|| {
             let found = shown(message);
             format!("`{name}` (`{schema}`) refuses a message: {error}; found {found}")
@@ -316,7 +370,7 @@ impl BoundInput {
     }
 
     /// Describes a message whose value is not one of the function.
-    pub(super) fn misfit(
+    fn misfit(
         &mut self,
         port: Option<&str>,
         message: &Datum,
@@ -357,7 +411,7 @@ impl BoundInput {
     }
 
     /// Describes a message whose key selects no element.
-    pub(super) fn unknown_key(&self, message: &Datum, program: &Program) -> String {
+    fn unknown_key(&self, message: &Datum, program: &Program) -> String {
         let fields = self.located.key.iter().map(|field| {
             let found = message.get(&field.path);
             let found = found.map_or_else(|| "nothing".to_owned(), |it| shown(&it));
