@@ -131,6 +131,7 @@ pub(crate) mod c185;
 pub(crate) mod c186;
 pub(crate) mod c187;
 pub(crate) mod c188;
+pub(crate) mod c189;
 pub(crate) mod c190;
 
 use asmotion_diagnostics::Code;
@@ -266,5 +267,6 @@ pub const CODES: &[&Code] = &[
     c186::HiddenComponent::CODE,
     c187::EndlessCircle::CODE,
     c188::UnconvertedLiteral::CODE,
+    c189::TimeoutWithinPeriod::CODE,
     c190::NoCertificate::CODE,
 ];

@@ -93,6 +93,7 @@ fn verify(scene: &CheckedComposite<'_>, component: &Component, report: &mut Repo
     let Some(verify) = &component.special.verify else {
         return;
     };
+    super::verify::idle_keys(verify, report);
     let Some(Implementation::Asm { file, .. }) = &component.implementation else {
         return;
     };
