@@ -182,3 +182,109 @@ fn found(code: &Code, info: &str) -> Option<Report> {
     };
     Some(asmotion_plan::open("example.toml", &context).report)
 }
+
+/// The findings about a composite with a component `C` of this table, beside the map server `Map`, as `CODE place`.
+fn findings(specification: &str, component: &str, rest: &str) -> Vec<String> {
+    let mut files = MemoryFiles::new();
+    files.add("c.asm", specification);
+    let text = format!(
+        "schema = \"composite/1\"\n[composite]\nname = \"example\"\n[components.C]\nimplementation = {{ asm = \"c.asm\" }}\n\
+         task = {{ period_ms = 50 }}\n{component}\n{rest}"
+    );
+    files.add("example.toml", &*text);
+    let context = Context {
+        loader: &files,
+        environment: &EmptyEnvironment,
+        catalogue: &BUILD,
+        specifications: &AsmFiles::new(&files),
+        programs: &ExamplePrograms,
+        settings: &[],
+    };
+    let report = asmotion_plan::open("example.toml", &context).report;
+    let place = |it: &Diagnostic| {
+        let span = it.primary.as_ref().unwrap().span;
+        text[span.start as usize..span.end as usize].to_owned()
+    };
+    let interesting = report.diagnostics.iter();
+    let interesting = interesting.filter(|it| ["C048", "C189"].contains(&it.code.name));
+    interesting
+        .map(|it| format!("{} {}", it.code.name, place(it)))
+        .collect()
+}
+
+const COUNTER: &str = "asm c
+import StandardLibrary
+signature:
+	monitored n: Integer
+	out m: Integer
+definitions:
+	main rule r_Main = m := n
+";
+
+#[test]
+fn names_that_no_binding_of_a_specification_uses_are_reported() {
+    let bindings = "[components.C.bind.monitored]
+n = { topic = \"t\", field = \"data\", none = 0 }
+[components.C.bind.out]
+m = { topic = \"u\", field = \"data\", publish = \"every_step\" }";
+    let used = "subscribe = { t = \"std_msgs/Int32\" }\npublish = { u = \"std_msgs/Int32\" }\n";
+    assert_eq!(findings(COUNTER, &format!("{used}{bindings}"), ""), [""; 0]);
+    let idle = "subscribe = { t = \"std_msgs/Int32\", heard = \"std_msgs/Bool\" }
+publish = { u = \"std_msgs/Int32\", said = \"std_msgs/Bool\" }
+services = { offered = \"nav/MapService\" }
+references = { wanted = \"nav/MapService\" }\n";
+    assert_eq!(
+        findings(COUNTER, &format!("{idle}{bindings}"), ""),
+        ["C048 heard", "C048 said", "C048 offered", "C048 wanted"]
+    );
+}
+
+#[test]
+fn keys_of_verify_without_a_verification_are_reported() {
+    let of = |verify: &str| findings(COUNTER, &format!("verify = {{ {verify} }}"), "");
+    assert_eq!(of("bound = 3"), ["C048 3"]);
+    assert_eq!(of("states = 9, time_s = 2.5"), ["C048 9", "C048 2.5"]);
+    assert_eq!(of("bound = 3, refuse_start_on_failure = true"), [""; 0]);
+    assert_eq!(of("bound = 3, invariants = true"), [""; 0]);
+    assert_eq!(
+        of("ctl = false, refuse_start_on_failure = true"),
+        ["C048 false"]
+    );
+    assert_eq!(
+        of("ctl = false, invariants = true, refuse_start_on_failure = true"),
+        [""; 0]
+    );
+}
+
+#[test]
+fn several_brokers_of_which_nothing_names_one_are_reported() {
+    let brokers =
+        "[brokers.a]\nurl = \"amqp://guest@one\"\n[brokers.b]\nurl = \"amqp://guest@two\"\n";
+    assert_eq!(findings(COUNTER, "", brokers), ["C048 b"]);
+    let named = "[components.Map]\nimplementation = { rust = \"nav::MapServer\" }\ntask = { broker = \"a\", period_ms = 20 }\n";
+    assert_eq!(findings(COUNTER, "", &format!("{brokers}{named}")), [""; 0]);
+    let one = "[brokers.a]\nurl = \"amqp://guest@one\"\n";
+    assert_eq!(findings(COUNTER, "", one), [""; 0]);
+}
+
+#[test]
+fn a_timeout_shorter_than_the_period_of_the_provider_is_reported() {
+    let component = "references = { maps = \"nav/MapService\" }
+[components.C.bind.out.m]
+GET = { call = \"maps.getMap\" }";
+    let text = COUNTER
+        .replace("out m: Integer", "enum domain Do = {GET}\n\tout m: Do")
+        .replace("m := n", "m := GET");
+    let wired = |period: &str, keys: &str| {
+        let rest = format!(
+            "[components.Map]\nimplementation = {{ rust = \"nav::MapServer\" }}\n{period}\n\
+             [[wires]]\nreference = \"C.maps\"\nservice = \"Map.maps\"\n{keys}"
+        );
+        findings(&text, component, &rest)
+    };
+    let slow = "task = { period_ms = 1000 }";
+    assert_eq!(wired(slow, "timeout_ms = 800"), ["C189 800"]);
+    assert_eq!(wired(slow, "timeout_ms = 1000"), [""; 0]);
+    assert_eq!(wired("", "timeout_ms = 10"), [""; 0]);
+    assert_eq!(wired(slow, "timeout_ms = 800\noneway = true"), [""; 0]);
+}

@@ -131,6 +131,7 @@ pub(crate) mod c185;
 pub(crate) mod c186;
 pub(crate) mod c187;
 pub(crate) mod c188;
+pub(crate) mod c189;
 pub(crate) mod c190;
 pub(crate) mod c200;
 pub(crate) mod c201;
@@ -268,6 +269,7 @@ pub const CODES: &[&Code] = &[
     c186::HiddenComponent::CODE,
     c187::EndlessCircle::CODE,
     c188::UnconvertedLiteral::CODE,
+    c189::TimeoutWithinPeriod::CODE,
     c190::NoCertificate::CODE,
     c200::InvalidWatch::CODE,
     c201::UnwatchedProperties::CODE,

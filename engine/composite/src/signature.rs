@@ -87,6 +87,11 @@ pub trait Signature {
         None
     }
 
+    /// Returns whether the specification exchanges messages with partners, which need no bindings; `None` if it is not known.
+    fn exchanges_messages(&self) -> Option<bool> {
+        None
+    }
+
     /// Returns the services and references annotated with SCA-ASM; empty without annotations.
     fn annotations(&self) -> Annotations {
         Annotations::default()

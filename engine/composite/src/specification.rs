@@ -150,6 +150,10 @@ impl Signature for ModelSignature {
         awaited.map(|used| (stdlib::operation(used.operation).to_owned(), used.at))
     }
 
+    fn exchanges_messages(&self) -> Option<bool> {
+        Some(!message_uses(&self.model.borrow()).is_empty())
+    }
+
     fn annotations(&self) -> Annotations {
         self.annotations.clone()
     }

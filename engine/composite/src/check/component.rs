@@ -6,7 +6,6 @@ use crate::codes::c023::DuplicateId;
 use crate::codes::c024::UnknownImplementation;
 use crate::codes::c025::ImplementationNotInBuild;
 use crate::codes::c028::UnknownProperty;
-use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
 use crate::codes::c128::NothingToVerify;
 use crate::codes::c153::ProgramWithoutDeclaration;
@@ -14,7 +13,6 @@ use crate::codes::c154::ProgramElsewhere;
 use crate::codes::c158::RobotWithoutDeclaration;
 use crate::codes::c159::RobotNotAsked;
 use crate::codes::c200::{InvalidWatch, WatchedPart};
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -28,7 +26,7 @@ use super::scene::{CheckedComponent, CheckedComposite};
 use super::schedule;
 use crate::at::At;
 use crate::finding::Findings;
-use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Verify, Wanted};
+use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
 use crate::nearest::{Nearest, nearest_name};
 use crate::programs::{command_of, robot_component};
 use crate::signature::{Codomain, Signature};
@@ -97,7 +95,7 @@ fn verify(scene: &CheckedComposite<'_>, component: &Component, report: &mut Repo
     let Some(verify) = &component.special.verify else {
         return;
     };
-    idle_limits(verify, report);
+    super::verify::idle_keys(verify, report);
     let Some(Implementation::Asm { file, .. }) = &component.implementation else {
         return;
     };
@@ -157,33 +155,6 @@ fn watch(scene: &CheckedComposite<'_>, component: &Component, report: &mut Repor
                 text: text.value.clone(),
                 reason,
                 at: text.span,
-            });
-        }
-    }
-}
-
-/// Reports limits and consequences of a verification without properties.
-fn idle_limits(verify: &Verify, report: &mut Report) {
-    let mut properties = [&verify.ctl, &verify.ltl, &verify.invariants].into_iter();
-    if properties.any(|key| key.as_ref().is_some_and(|key| key.value)) {
-        return;
-    }
-    let refuse = verify.refuse_start_on_failure.as_ref();
-    let keys = [
-        (
-            "refuse_start_on_failure",
-            refuse.filter(|it| it.value).map(|it| it.span),
-        ),
-        ("bound", verify.bound.as_ref().map(|it| it.span)),
-        ("states", verify.states.as_ref().map(|it| it.span)),
-        ("time_s", verify.time_s.as_ref().map(|it| it.span)),
-    ];
-    for (key, at) in keys {
-        if let Some(at) = at {
-            report.found(IdleKey {
-                key: Cow::Borrowed(key),
-                at,
-                reason: "nothing is verified without `ctl`, `ltl` or `invariants`",
             });
         }
     }

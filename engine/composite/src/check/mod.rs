@@ -6,6 +6,7 @@
 mod across;
 mod annotation;
 mod binding;
+mod brokers;
 mod builtin;
 mod codec;
 mod component;
@@ -34,6 +35,7 @@ mod ros_words;
 mod scene;
 mod schedule;
 mod topic;
+mod verify;
 mod wire;
 
 use std::collections::BTreeMap;
@@ -122,6 +124,7 @@ impl<'c> Checker<'c> {
         };
         let report = &mut *self.report;
         endpoint::check(&scene, report);
+        brokers::check(&scene, report);
         scene.parts = component::parts(&scene, &nested, report);
         builtin::check(&mut scene, report);
         ros_loop::check(&scene, report);

@@ -7,6 +7,7 @@ use crate::codes::c031::DanglingReference;
 use crate::codes::c032::{ReferenceWiredTwice, WIRED_TWICE};
 use crate::codes::c033::NoTimeout;
 use crate::codes::c048::IdleKey;
+use crate::codes::c189::TimeoutWithinPeriod;
 use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
@@ -16,7 +17,7 @@ use super::meant::meant;
 use super::scene::{CheckedComponent, CheckedComposite, processes};
 use super::{external, fan_out};
 use crate::finding::Findings;
-use crate::model::{DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
+use crate::model::{Amount, DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     let mut joined = Joined::default();
@@ -134,6 +135,7 @@ fn wire<'w>(
     external::check(wire, report);
     idle_keys(wire, report);
     idle_within_process(scene, wire, report);
+    short_timeout(scene, wire, report);
     if !answered && !wire.services.is_empty() {
         return;
     }
@@ -165,6 +167,33 @@ fn wire<'w>(
             default_ms: DEFAULT_TIMEOUT_MS,
             at,
         });
+    }
+}
+
+/// Reports a timeout within which a periodic provider may have no cycle.
+fn short_timeout(scene: &CheckedComposite<'_>, wire: &Wire, report: &mut Report) {
+    let Some(timeout) = wire.timeout_ms.as_ref().filter(|_| waits(wire)) else {
+        return;
+    };
+    for end in &wire.services {
+        let mut parts = scene.parts.iter();
+        let provider = parts.find(|part| part.component.name.value == end.component.value);
+        let pace = provider.and_then(|part| part.component.pace());
+        let Some(period) = pace.and_then(|pace| pace.period_ms.as_ref()) else {
+            continue;
+        };
+        if let Amount::Number(period_ms) = period.value
+            && period_ms > timeout.value
+        {
+            report.found(TimeoutWithinPeriod {
+                reference: wire.reference.to_string(),
+                timeout_ms: timeout.value,
+                provider: end.component.value.clone(),
+                period_ms,
+                at: timeout.span,
+                period_at: period.span,
+            });
+        }
     }
 }
 

@@ -5,6 +5,7 @@ mod argument;
 mod coverage;
 mod function;
 mod input;
+mod unused;
 
 use crate::codes::c101::OtherMainRule;
 use crate::codes::c147::StateWithoutExit;
@@ -51,6 +52,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
         if let Some(signature) = signature {
             coverage::check(&bound, signature, file.span, report);
             input::check(&part.bind, signature, report);
+            unused::check(part, signature, report);
             annotation::check(part, signature, file.span, report);
             for stuck in signature.states_without_exit() {
                 report.found(StateWithoutExit {
