@@ -21,6 +21,7 @@ signature:
 	controlled mode: Mode
 	// a request arrived that could not be served immediately
 	controlled waiting: Boolean
+	// true while the arm moves: an update to false cancels the call if it is not answered yet, as it may be on a busy machine
 	out writeCommands: Boolean
 	// no motion can start: a fault of the arm persists, or its status is stale
 	derived blocked: Boolean
@@ -40,11 +41,11 @@ definitions:
 		else if mode = BUSY and newStatus and withinTolerance then
 			par mode := IDLE  notify := NOTE_IDLE  writeCommands := false  r_remember[] endpar
 		else if newStatus then
-			par notify := NOTE_REFRESH  writeCommands := false  r_remember[] endpar
+			par notify := NOTE_REFRESH  r_remember[] endpar
 		else if mode != BUSY and (moveRequest or waiting) and not blocked then
 			r_begin[]
 		else
-			par notify := QUIET  writeCommands := false  r_remember[] endpar
+			par notify := QUIET  r_remember[] endpar
 		endif endif endif endif
 
 	CTLSPEC ag(notify = NOTE_IDLE implies mode = IDLE)
