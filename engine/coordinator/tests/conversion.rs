@@ -358,6 +358,9 @@ fn a_message_that_does_not_fit_hides_no_other_one() {
     for binding in [last, edge] {
         let messages = [data(Datum::Bool(true)), data(Datum::Int(5))];
         let (seen, _, misfits) = taken(binding, &boolean(), &messages);
-        assert_eq!((seen.last().map(String::as_str), misfits), (Some("true"), 1));
+        assert_eq!(
+            (seen.last().map(String::as_str), misfits),
+            (Some("true"), 1)
+        );
     }
 }
