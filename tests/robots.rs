@@ -219,7 +219,10 @@ fn n12_a_robot_has_one_provider_of_a_service() {
     assert_eq!(second.status.code(), Some(2), "{second:?}");
     let said = text(&second.stderr);
     assert!(said.contains("is already served"), "{said}");
-    assert!(said.contains("of this name") && said.contains("--robot NAME"), "{said}");
+    assert!(
+        said.contains("of this name") && said.contains("--robot NAME"),
+        "{said}"
+    );
     // the first one is not disturbed, and its promoted name is an address too
     let promoted = ROVER.replace("depot/MapServer.maps", "depot/maps");
     let composite = site.composite("promoted", &promoted);

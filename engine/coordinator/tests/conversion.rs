@@ -308,7 +308,8 @@ fn a_message_of_another_type_is_refused_with_port_place_and_value() {
     ];
     for binding in [LAST, ALL] {
         for (message, place) in &bad {
-            let (seen, notices, misfits) = taken(binding, &boolean(), &[message.clone()]);
+            let (seen, notices, misfits) =
+                taken(binding, &boolean(), std::slice::from_ref(message));
             assert_eq!((seen.len(), misfits), (0, 1), "{message}");
             let [notice] = &*notices else {
                 panic!("{notices:?}")
