@@ -206,9 +206,11 @@ import StandardLibrary
 signature:
   monitored go: Boolean
   monitored distance: Real
+  monitored farthest: Real
+  monitored listed: Real
   controlled near: Boolean
 definitions:
-  main rule r_Main = if go and distance < 1.0 then near := true endif
+  main rule r_Main = if go and distance < 1.0 and listed < farthest then near := true endif
 "#;
 
 const LISTENING: &str = r#"schema = "composite/1"
@@ -222,6 +224,8 @@ subscribe = { go = "std_msgs/Bool", scan = "sensor_msgs/LaserScan", list = "acme
 [components.Listener.bind.monitored]
 go = { topic = "go", field = "data", none = false }
 distance = { topic = "scan", field = "range_min", none = 9.0 }
+farthest = { topic = "scan", field = "range_max", none = 9.0 }
+listed = { topic = "list", field = "data.0", none = 0.0 }
 [[promote]]
 topic = "go"
 as = "go"

@@ -259,19 +259,17 @@ definitions:
         .unwrap();
     let found = Arc::new(Mutex::new((Vec::new(), Vec::new())));
     let note = found.clone();
-    system.observe(move |_, event: &Event<'_>| match event {
-        Event::Report { kind, data, .. } if *kind == STEP_REPORT => {
+    system.observe(move |_, event: &Event<'_>| {
+        let Event::Report { kind, data, .. } = event else {
+            return;
+        };
+        let (values, notices) = &mut *note.lock().unwrap();
+        if *kind == STEP_REPORT {
             let step: StepRecord = data.to().unwrap();
-            let updates = step.updates.into_iter().map(|update| update.after);
-            note.lock().unwrap().0.extend(updates);
+            values.extend(step.updates.into_iter().map(|update| update.after));
+        } else if *kind == NOTICE_REPORT {
+            notices.push(data.as_text().unwrap().to_owned());
         }
-        Event::Report { kind, data, .. } if *kind == NOTICE_REPORT => {
-            note.lock()
-                .unwrap()
-                .1
-                .push(data.as_text().unwrap().to_owned());
-        }
-        _ => {}
     });
     let mut run = system.simulate();
     run.run_for(5.ms());
@@ -310,7 +308,8 @@ fn a_message_of_another_type_is_refused_with_port_place_and_value() {
     ];
     for binding in [LAST, ALL] {
         for (message, place) in &bad {
-            let (seen, notices, misfits) = taken(binding, &boolean(), &[message.clone()]);
+            let (seen, notices, misfits) =
+                taken(binding, &boolean(), std::slice::from_ref(message));
             assert_eq!((seen.len(), misfits), (0, 1), "{message}");
             let [notice] = &*notices else {
                 panic!("{notices:?}")
