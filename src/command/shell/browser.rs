@@ -301,6 +301,14 @@ fn parts(component: &RemoteComponent) -> Vec<String> {
     ports.chain(properties).chain(operations).collect()
 }
 
+/// The age of a message, after it, unless the message is new: it waited where nobody read the output.
+fn old(age: Duration) -> String {
+    if age < OLD {
+        return String::new();
+    }
+    format!("   {FAINT}{:.1} s old{FAINT:#}", age.as_secs_f64())
+}
+
 #[cfg(test)]
 mod tests {
     use super::split_call;
@@ -325,12 +333,4 @@ mod tests {
             assert_eq!(split_call(written), (path, argument), "{written}");
         }
     }
-}
-
-/// The age of a message, after it, unless the message is new: it waited where nobody read the output.
-fn old(age: Duration) -> String {
-    if age < OLD {
-        return String::new();
-    }
-    format!("   {FAINT}{:.1} s old{FAINT:#}", age.as_secs_f64())
 }
