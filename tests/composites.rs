@@ -286,5 +286,6 @@ GET = { call = \"maps.getMap\" }";
     assert_eq!(wired(slow, "timeout_ms = 800"), ["C189 800"]);
     assert_eq!(wired(slow, "timeout_ms = 1000"), [""; 0]);
     assert_eq!(wired("", "timeout_ms = 10"), [""; 0]);
-    assert_eq!(wired(slow, "timeout_ms = 800\noneway = true"), [""; 0]);
+    // nothing waits for a reply
+    assert_eq!(wired(slow, "timeout_ms = 800\noneway = true"), ["C048 800"]);
 }

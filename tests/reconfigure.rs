@@ -207,7 +207,7 @@ fn c18_a_component_is_removed_from_a_running_process_and_added_again() {
     assert!(ended.all(|process| process.status.success()));
     let written = std::fs::read_to_string(&trace).unwrap();
     for line in [
-        "report RearLaser added Text(\"`nav::sim::LaserDriver`\")",
+        "report RearLaser added \"`nav::sim::LaserDriver`\"",
         "life RearLaser Stopped Running",
         "publish RearLaser.scan",
         "report RearLaser removed",

@@ -235,7 +235,10 @@ fn a_recording_is_replayed_with_its_safe_rule() {
     // the safe rule wrote the mode, and the replay knows why
     let (code, out) = run(&["replay", "run.mcap", "--explain", "mode"]);
     assert_eq!(code, 0, "{out}");
-    assert!(out.contains("r_halt"), "{out}");
+    assert!(
+        out.contains("the safe rule `r_halt[IDLE]` made it"),
+        "{out}"
+    );
 
     // the mutant without its mistake needs no safe rule
     let text = std::fs::read_to_string(folder.path().join(SPECIFICATION)).unwrap();

@@ -159,10 +159,13 @@ const BUILD: Tables = Tables {
 
 /// The client with the driver's composite nested in it. `driver` is appended to its properties, `wire` to the wire of
 /// its commands.
+/// The time limit of commands whose end is awaited.
+pub const TIMEOUT: &str = ", timeout_ms = 20000";
+
 const APPLICATION: &str = r#"
 schema = "composite/1"
 wires = [
-  { reference = "Client.send", service = "Driver.sendingCommand", timeout_ms = 20000WIRE },
+  { reference = "Client.send", service = "Driver.sendingCommand"WIRE },
   { reference = "Client.period", service = "Driver.settingPeriod", timeout_ms = 1000 },
   { reference = "Client.status", service = "Driver.retrievingStatus", timeout_ms = 1000 },
   { reference = "Driver.notifying", service = "Client.notifying", oneway = true },
@@ -189,7 +192,7 @@ pub(super) struct Bench {
     pub inner: Option<String>,
     /// Properties of the driver's composite, for example `joints = 6`.
     pub properties: &'static str,
-    /// Additional settings of the wire for commands, for example `, oneway = true`.
+    /// Settings of the wire for commands: [`TIMEOUT`], or `, oneway = true`.
     pub wire: &'static str,
     pub script: &'static [&'static str],
 }
@@ -201,7 +204,7 @@ impl Default for Bench {
             driver: include_str!("../../specs/youbot/youbot_driver.composite.toml").to_owned(),
             inner: None,
             properties: "",
-            wire: "",
+            wire: TIMEOUT,
             script: &[],
         }
     }

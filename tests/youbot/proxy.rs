@@ -1,6 +1,6 @@
 //! The driver and its proxy.
 
-use super::bench::Bench;
+use super::bench::{Bench, TIMEOUT};
 use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_runtime::Run;
@@ -54,7 +54,7 @@ fn j3_one_proxy_is_called_synchronously_over_one_wire_and_one_way_over_another()
         assert_eq!(log.events(), ["busy", "idle"]);
         log.replies.len()
     };
-    assert_eq!((reply(""), reply(", oneway = true")), (1, 0));
+    assert_eq!((reply(TIMEOUT), reply(", oneway = true")), (1, 0));
 }
 
 /// Time in ms and result of the reply to the first command, with this mode in the map.

@@ -14,7 +14,8 @@ use crate::requests::Requests;
 use crate::step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
-use crate::watcher::{StepFailure, Watch, WatchedStep, Watcher};
+use crate::watch::Watch;
+use crate::watcher::{StepFailure, WatchedStep, Watcher};
 use asmotion_component::{
     BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
     NOTICE_REPORT, Setup, ThawError, Time,

@@ -6,7 +6,7 @@
 use crate::frame::InputFrame;
 use crate::recorded::{CycleCauses, MachineBegin, MachineOrigin, SourceRecord};
 use crate::typed_input::TypedInput;
-use crate::watcher::Watch;
+use crate::watch::Watch;
 use asmotion_component::{Cycle, Flow, Time};
 use asmotion_lang::Specification;
 use asmotion_lang::machine::Machine;

@@ -1,7 +1,7 @@
 //! Fingerprint of a coordinator, which a frozen state must match.
 
 use crate::binding::Binding;
-use crate::watcher::Watch;
+use crate::watch::Watch;
 use asmotion_component::frozen;
 use asmotion_lang::Specification;
 use asmotion_lang::diagnostics::FileId;

@@ -28,6 +28,7 @@ mod takeover;
 mod terms;
 mod typed_input;
 mod violation;
+mod watch;
 mod watched_step;
 mod watcher;
 
@@ -47,5 +48,6 @@ pub use recorded::{
 pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
 pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
+pub use watch::{GivenProperty, Watch};
 pub use watched_step::StepSubject;
-pub use watcher::{GivenProperty, StepFailure, Watch, WatchedStep, Watcher};
+pub use watcher::{StepFailure, WatchedStep, Watcher};

@@ -2,7 +2,7 @@
 
 use crate::step::{UpdateRecord, update_records};
 use crate::violation::ViolationRecord;
-use crate::watcher::Watch;
+use crate::watch::Watch;
 use asmotion_lang::Specification;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate::{self, RecordedMessage};

@@ -3,29 +3,12 @@
 use crate::bind_error::BindError;
 use crate::recorded::ReplacedStep;
 use crate::violation::{ConditionRecord, ViolationRecord};
+use crate::watch::Watch;
 use asmotion_lang::ir::AddedRule;
 use asmotion_lang::machine::{Machine, StepFault};
 use asmotion_lang::{FaultKind, Specification};
 use asmotion_verify::{Monitors, PropertyKind, PropertyViolation};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-
-pub use asmotion_verify::GivenProperty;
-
-/// The properties to watch, and the reaction to violations.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Watch {
-    /// Neither the temporal properties of the specification nor `properties` are watched. Invariants are always checked.
-    pub is_off: bool,
-    /// A rule in the scope of the specification, as in `r_halt[IDLE]`, that replaces the main rule in a step that violates a
-    /// property.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub safe_rule: Option<String>,
-    /// Properties in addition to those of the specification.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub properties: Vec<GivenProperty>,
-}
 
 /// Watches the properties of a specification.
 pub struct Watcher {

@@ -173,6 +173,11 @@ fn print_writer(writer: &LocationWriter, terminal: &mut TerminalOutput) {
         "  `{}`{rule}, {path}:{line}:{column}",
         writer.text
     ));
+    if let Some(rule) = &writer.safe_rule {
+        terminal.result(format_args!(
+            "  because    the step violated a property, and the safe rule `{rule}` made it"
+        ));
+    }
     for guard in &writer.guards {
         terminal.result(format_args!("  because    {}", show::guard(guard)));
     }

@@ -102,7 +102,7 @@ fn explanation(explained: &Explained) -> Value {
             json!({
                 "kind": "written", "location": writer.location, "value": writer.after, "before": writer.before,
                 "step": writer.number, "time_s": writer.time_ns as f64 / 1e9, "cause": writer.cause,
-                "text": writer.text, "rule": writer.rule, "path": path, "line": line, "column": column,
+                "text": writer.text, "rule": writer.rule, "safe_rule": writer.safe_rule, "path": path, "line": line, "column": column,
                 "guards": guards.collect::<Vec<_>>(), "read": read.collect::<Vec<_>>(),
             })
         }

@@ -31,6 +31,8 @@ pub struct LocationWriter {
     pub guards: Vec<PassedGuard>,
     /// The inputs that the step read.
     pub read: Vec<ReadLocation>,
+    /// The safe rule, if it made the step in place of the main rule.
+    pub safe_rule: Option<String>,
 }
 
 /// The last change of an input.
@@ -156,6 +158,7 @@ impl LocationWatch {
             place: (sources.path(span.file).to_owned(), line, column),
             guards: specification.guards_of_update(machine, &before, function, &arguments),
             read: cycle.read.clone(),
+            safe_rule: cycle.replaced.as_ref().map(|it| it.rule.clone()),
         })
     }
 }
