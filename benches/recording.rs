@@ -24,7 +24,7 @@ const LIMIT: f64 = 0.1;
 /// Unit of CPU times in `/proc/self/stat`, in s: `USER_HZ` is 100 on every platform with Linux's usual ABI.
 const TICK: f64 = 0.01;
 
-/// What runs of one kind took.
+/// Total cost of the runs of one kind.
 #[derive(Default)]
 struct Total {
     cpu_s: f64,

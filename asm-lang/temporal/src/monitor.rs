@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Monitor(SafetyForm);
 
-/// What a monitor knows about the run so far.
+/// State of a monitor in a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MonitorState {
     /// Alternatives: sorted sets of subformulas that the current position has to satisfy, none of which contains another.

@@ -23,7 +23,7 @@ struct DueResponse {
     is_first_only: bool,
 }
 
-/// What a monitor of responses knows about the run so far.
+/// State of a monitor of responses in a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResponseState {
     /// For each response, the time of the earliest cause without a response.

@@ -91,7 +91,7 @@ pub struct UnwatchedProperty {
     pub place: String,
     /// Place of the property; `None` for one from outside.
     pub at: Option<Span>,
-    /// The reason.
+    /// Reason that a run cannot watch it.
     pub reason: String,
 }
 
@@ -100,7 +100,7 @@ pub struct UnwatchedProperty {
 pub struct PropertyViolation {
     /// Index in [`Monitors::watched`].
     pub property: usize,
-    /// What has to happen within a time has not happened.
+    /// The deadline of a response has passed.
     pub is_late: bool,
     /// The property was not violated in the step before.
     pub is_new: bool,

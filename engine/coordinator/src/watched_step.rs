@@ -21,7 +21,7 @@ use asmotion_verify::{PropertyKind, PropertyViolation};
 pub struct StepSubject<'a> {
     /// The specification of the machine.
     pub specification: &'a Specification,
-    /// The machine.
+    /// The machine, in the state before the step.
     pub machine: &'a mut Machine,
     /// The inputs of the step.
     pub inputs: &'a mut dyn Environment,

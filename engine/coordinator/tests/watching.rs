@@ -12,7 +12,7 @@ use asmotion_datum::{Datum, Schema};
 use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Event, Run, Simulation, System};
 
-/// Drives whenever it is told to, although the e-stop is pressed.
+/// Drives on every command, even while the e-stop is pressed.
 const ROVER: &str = "
 asm rover
 import StandardLibrary

@@ -33,7 +33,7 @@ const PERIOD: Duration = Duration::from_millis(100);
 const CYCLES: usize = 40_000;
 const TURNS: usize = 9;
 /// Greatest ratio of the cost of a cycle to that in the smallest system. Larger systems do not fit into the caches, which makes a
-/// cycle that does nothing eight times as expensive; a scan of all components would make it hundreds of times as expensive.
+/// cycle that does nothing nine times as expensive; a scan of all components would make it hundreds of times as expensive.
 const LIMIT: f64 = 12.0;
 
 /// Publishes a reading in each period.

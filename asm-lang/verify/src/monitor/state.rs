@@ -4,7 +4,7 @@ use super::{Monitors, PropertyWatch};
 use asmotion_temporal::{MonitorState, ResponseState};
 use serde::{Deserialize, Serialize};
 
-/// What monitors know about a run, as plain data.
+/// State of all monitors in a run, as plain data.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct MonitorsState(Vec<PropertyWatchState>);
