@@ -578,6 +578,7 @@ struct CallState : CallBase {
 
 struct InputBase {
     std::string name, doc;
+    bool is_command = false;
     virtual ~InputBase() = default;
     virtual void schema(asmotion_writer* to) const = 0;
     /// Begins a cycle with the samples that have arrived; absent without any.
@@ -728,7 +729,12 @@ private:
     asmotion_connection* connection_ = nullptr;
 };
 
-/// An input.
+/// The samples of an input are commands.
+struct Command {};
+constexpr Command command{};
+
+/// An input. Samples of one for commands, `{this, "target", "wanted angle", asmotion::command}`, are discarded if they arrive while
+/// the component does not run.
 template <class T>
 class In : detail::InputBase {
 public:
@@ -736,6 +742,9 @@ public:
         this->name = std::move(name);
         this->doc = std::move(doc);
         owner->inputs_.push_back(this);
+    }
+    In(Component* owner, std::string name, std::string doc, Command) : In(owner, std::move(name), std::move(doc)) {
+        is_command = true;
     }
     In(const In&) = delete;
     In& operator=(const In&) = delete;
@@ -1276,6 +1285,10 @@ private:
         declare(reply, "inputs", component_->inputs_, [&](const detail::InputBase& it) {
             asmotion_write_text(reply, "schema");
             it.schema(reply);
+            if (it.is_command) {
+                asmotion_write_text(reply, "command");
+                asmotion_write_bool(reply, true);
+            }
         });
         declare(reply, "outputs", component_->outputs_, [&](const detail::OutputBase& it) {
             asmotion_write_text(reply, "schema");

@@ -97,8 +97,8 @@ mod with_ros {
     use asmotion_datum::Schema;
     use asmotion_plan::Bridge;
     use asmotion_ros_gateway::{
-        ComponentDesk, FieldConverter, MappedFeedback, MappedOperation, MappedTopic, Ros1Settings,
-        Ros1Transport, RosBridge, RosDirection, RosTransport, ShownComponent,
+        ComponentDesk, FieldConverter, MappedFeedback, MappedFrame, MappedOperation, MappedTopic,
+        Ros1Settings, Ros1Transport, RosBridge, RosDirection, RosTransport, ShownComponent,
     };
 
     use super::{Catalogue, Component, Make, Plan};
@@ -246,6 +246,10 @@ mod with_ros {
                 // a wrong one has been reported, and the composite does not start
                 .filter_map(|(path, text)| FieldConverter::parse(path, text).ok())
                 .collect(),
+            transform: entry.transform.as_ref().map(|of| MappedFrame {
+                frame: of.frame.clone(),
+                timeout: Duration::from_millis(of.timeout_ms),
+            }),
             direction,
         }
     }

@@ -5,9 +5,15 @@ use asmotion_datum::Datum;
 /// Length of the longest list that is shown in full; longer lists are maps and scans.
 pub const MOST: usize = 32;
 
-/// Formats a value briefly: numbers with four decimals.
+/// Size from which a number has an exponent.
+const LARGE: f64 = 1e15;
+
+/// Formats a value briefly: numbers with four decimals, large ones with an exponent.
 pub fn brief(value: &Datum) -> String {
     match value {
+        Datum::Float(number) if number.is_finite() && number.abs() >= LARGE => {
+            format!("{number:e}")
+        }
         Datum::Float(number) if number.is_finite() => {
             let shown = format!("{number:.4}");
             let shown = shown.trim_end_matches('0').trim_end_matches('.');
@@ -42,6 +48,13 @@ pub fn brief(value: &Datum) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_large_number_has_an_exponent() {
+        for (number, text) in [(1e308, "1e308"), (-2.5e15, "-2.5e15"), (1e9, "1000000000")] {
+            assert_eq!(brief(&Datum::Float(number)), text);
+        }
+    }
 
     #[test]
     fn a_long_list_is_cut() {

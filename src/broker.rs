@@ -16,6 +16,7 @@ pub use rabbitmq::BrokerArguments;
 
 use std::fmt;
 use std::sync::Arc;
+use std::time::Duration;
 
 use asmotion_bus::{Bus, BusError};
 use asmotion_remote::Remote;
@@ -97,7 +98,8 @@ impl BrokerSettings {
         }
     }
 
-    /// Connects to the broker for a process of a robot. Returns the broker's address and the bus.
+    /// Connects to the broker for a process of a robot, within a limit of time if the transport permits. Returns the broker's
+    /// address and the bus.
     ///
     /// # Errors
     /// Fails if the broker is unreachable or refuses the credentials.
@@ -105,9 +107,10 @@ impl BrokerSettings {
         &self,
         robot: &str,
         process: Option<&str>,
+        limit: Duration,
     ) -> (String, Result<Arc<dyn Bus>, BusError>) {
         match self {
-            Self::Amqp(settings) => amqp::connect(settings, robot, process),
+            Self::Amqp(settings) => amqp::connect(settings, robot, process, limit),
             Self::Added(added) => {
                 let bus = added.connect(Some(robot), process.unwrap_or(robot));
                 (added.location(), bus)

@@ -401,12 +401,10 @@ fn declaration(
     component: &Component,
     plan: &Plan,
 ) -> Option<Declaration> {
-    let mut workshop = Standard {
-        catalogue,
-        loader: &DiskLoader,
-        coordinators: CoordinatorOptions::seeded(0),
-        builtins: &mut |component, plan| bridges::make(catalogue, component, plan),
-    };
+    let mut builtins =
+        |component: &Component, plan: &Plan| bridges::make(catalogue, component, plan);
+    let workshop = Standard::new(catalogue, &DiskLoader, CoordinatorOptions::seeded(0));
+    let mut workshop = workshop.with_builtins(&mut builtins);
     let make = workshop.make(component, plan).ok()?;
     let mut scratch = Interface::new();
     make(&mut scratch).ok()?;

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use crate::files::STANDARD_INPUT;
+
 /// Result of a command. Of several results, the greatest one determines the exit code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
@@ -22,7 +24,8 @@ pub enum Exit {
 impl Exit {
     /// The result for errors at a path named on the command line: findings if the file exists, a usage error otherwise.
     pub fn refused(path: impl AsRef<Path>) -> Self {
-        if path.as_ref().is_file() {
+        let path = path.as_ref();
+        if path.is_file() || path == Path::new(STANDARD_INPUT) {
             Self::Findings
         } else {
             Self::Usage

@@ -3,11 +3,13 @@
 use asmotion_diagnostics::LoadError;
 use asmotion_lang::Loader;
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-#[cfg(feature = "amqp")]
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::SystemTime;
+
+/// Path of standard input, which is named `-` on the command line.
+pub const STANDARD_INPUT: &str = "<stdin>";
 
 /// Upper bound on the size of a text file.
 const MAX_BYTES: u64 = 32 << 20;
@@ -22,6 +24,10 @@ impl Loader for DiskLoader {
             path: path.to_owned(),
             reason,
         };
+        if path == STANDARD_INPUT {
+            // the lexer reports text that is not UTF-8 at its place
+            return Ok(String::from_utf8_lossy(standard_input()?).into());
+        }
         let about = std::fs::metadata(path).map_err(|error| failed(reason(&error)))?;
         if !about.is_file() {
             return Err(failed("it is not a file".to_owned()));
@@ -42,6 +48,112 @@ impl Loader for DiskLoader {
         let found = candidates.iter().find(|path| path.is_file());
         found.map(|path| normalize(path))
     }
+}
+
+/// Loads files from the disk and notes how they were before they were read, so that later changes are noticed.
+#[derive(Debug, Default)]
+pub struct NotedFiles(Mutex<FileStamps>);
+
+/// Files, each with what changes when it is written or replaced; `None` for one that is missing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FileStamps(BTreeMap<PathBuf, Option<FileStamp>>);
+
+/// Time of the last change, length, and number of the file.
+type FileStamp = (SystemTime, u64, u64);
+
+impl NotedFiles {
+    /// Forgets all files.
+    pub fn forget(&self) {
+        self.stamps().0.clear();
+    }
+
+    /// Returns `true` if a file differs from what was noted, one that was missing has appeared, or one is missing.
+    pub fn have_changed(&self) -> bool {
+        self.look() != *self.stamps()
+    }
+
+    /// Returns the noted files as they are now.
+    pub fn look(&self) -> FileStamps {
+        let paths: Vec<PathBuf> = self.stamps().0.keys().cloned().collect();
+        let stamps = paths.into_iter().map(|path| {
+            let stamp = FileStamps::of(&path);
+            (path, stamp)
+        });
+        FileStamps(stamps.collect())
+    }
+
+    /// Returns `true` if a file that was there is missing now.
+    pub fn are_missing(&self, now: &FileStamps) -> bool {
+        let noted = self.stamps();
+        let mut pairs = noted.0.iter().zip(now.0.values());
+        pairs.any(|((_, before), now)| before.is_some() && now.is_none())
+    }
+
+    /// Notes how a file is, unless it is known.
+    fn note(&self, path: &Path) {
+        let stamp = FileStamps::of(path);
+        self.stamps().0.entry(path.to_owned()).or_insert(stamp);
+    }
+
+    fn stamps(&self) -> MutexGuard<'_, FileStamps> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl FileStamps {
+    fn of(path: &Path) -> Option<FileStamp> {
+        let about = std::fs::metadata(path).ok().filter(|it| it.is_file())?;
+        #[cfg(unix)]
+        let number = std::os::unix::fs::MetadataExt::ino(&about);
+        #[cfg(not(unix))]
+        let number = 0;
+        Some((about.modified().ok()?, about.len(), number))
+    }
+}
+
+impl Loader for NotedFiles {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        self.note(Path::new(path));
+        DiskLoader.read(path)
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        let candidates = candidates(from, import);
+        // a file that appears later at one of these paths is the one that is meant
+        for path in &candidates {
+            self.note(path);
+            if path.is_file() {
+                break;
+            }
+        }
+        DiskLoader.resolve(from, import)
+    }
+}
+
+/// Returns the bytes on standard input, which is read once.
+///
+/// # Errors
+/// Fails if it cannot be read, or is too long.
+pub fn standard_input() -> Result<&'static [u8], LoadError> {
+    static BYTES: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
+    let read = || {
+        let mut bytes = Vec::new();
+        let mut input = std::io::stdin().lock().take(MAX_BYTES + 1);
+        match input.read_to_end(&mut bytes) {
+            Err(error) => Err(reason(&error)),
+            Ok(length) if length as u64 > MAX_BYTES => {
+                Err(format!("it has more than {MAX_BYTES} bytes"))
+            }
+            Ok(_) => Ok(bytes),
+        }
+    };
+    BYTES
+        .get_or_init(read)
+        .as_deref()
+        .map_err(|reason| LoadError {
+            path: STANDARD_INPUT.to_owned(),
+            reason: reason.clone(),
+        })
 }
 
 /// Candidate paths of an imported file, best first.

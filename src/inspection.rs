@@ -6,11 +6,14 @@ use std::collections::BTreeMap;
 
 use crate::brief::brief;
 
-/// The control states of a coordinator, as in `mode = FOLLOWING`; `None` for other components.
+/// The control state of a coordinator, as in `mode = FOLLOWING`, or those of its agents, as in `IDLE ×2, RUN ×1`; `None` for other
+/// components.
 pub fn control_state(inspection: &[(String, Datum)]) -> Option<String> {
     let status = CoordinatorStatus::of(inspection)?;
-    let (location, value) = status.control_state()?;
-    Some(format!("{location} = {value}"))
+    match status.control_state() {
+        Some((location, value)) => Some(format!("{location} = {value}")),
+        None => status.control_states(),
+    }
 }
 
 /// The entries of a description as pairs of name and text. A coordinator's come as its control states, its last update

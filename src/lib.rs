@@ -35,6 +35,7 @@ mod ros_domain;
 mod ros_host;
 mod show;
 pub mod story;
+mod supervisor;
 mod table;
 mod terminal;
 #[cfg(feature = "tui")]

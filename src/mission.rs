@@ -1,11 +1,14 @@
 //! Assembles a composite and runs it until an end condition holds.
 
 mod client;
+mod connected_broker;
 mod dashboard;
 mod director;
 mod end_condition;
 mod error;
 mod gateway;
+#[cfg(any(feature = "dashboard", feature = "mcap"))]
+mod message_types;
 mod outcome;
 mod outside;
 mod process;
@@ -41,7 +44,7 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
 use asmotion_plan::{Implementation, Opened, Plan};
-use asmotion_remote::ProcessContact;
+use asmotion_remote::{CLOCK_REMEDY, ProcessContact};
 use asmotion_runtime::{Event, Observer, Pace, Run};
 
 use crate::bridges::Bridges;
@@ -78,6 +81,8 @@ pub struct Mission {
     pub clock: MissionClock,
     /// Brokers for topics and wires.
     pub brokers: MissionBrokers,
+    /// Time for which the mission waits for a broker that is not there yet.
+    pub broker_patience: Duration,
     /// HTTP gateways.
     pub gateways: MissionGateways,
     /// The dashboard.
@@ -132,6 +137,9 @@ pub struct MissionEnd {
     pub failed: Vec<String>,
     /// Inputs, as `component.port`, with the number of messages lost on the way to them; those without losses are omitted.
     pub lost: Vec<(String, u64)>,
+    /// Services, as `component.service`, with the number of requests refused because their queues were full; those without are
+    /// omitted.
+    pub refused: Vec<(String, u64)>,
     /// Lines of the last changes that the story has only counted.
     pub last_changes: Vec<String>,
     /// Components with the number of messages and requests that did not fit them; those without are omitted.
@@ -168,6 +176,7 @@ impl Mission {
             seeds_composite: false,
             clock: MissionClock::Virtual(0.0),
             brokers: MissionBrokers::Nothing,
+            broker_patience: Duration::ZERO,
             gateways: MissionGateways::Closed,
             dashboard: MissionDashboard::Closed,
             process: None,
@@ -240,15 +249,13 @@ impl Mission {
         )
         .tolerating(&self.may_fail);
         let mut bridges = Bridges::default();
-        let mut workshop = Standard {
-            catalogue: self.build.catalogue(),
-            loader: &DiskLoader,
-            coordinators: self.coordinator_options(plan),
-            builtins: &mut |component, plan| {
-                let robot = robots.make(component, plan);
-                robot.or_else(|| bridges.make(self.build.catalogue(), component, plan))
-            },
+        let catalogue = self.build.catalogue();
+        let mut builtins = |component: &_, plan: &_| {
+            let robot = robots.make(component, plan);
+            robot.or_else(|| bridges.make(catalogue, component, plan))
         };
+        let workshop = Standard::new(catalogue, &DiskLoader, self.coordinator_options(plan));
+        let mut workshop = workshop.with_builtins(&mut builtins);
         let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
         let Assembled {
             mut system,
@@ -290,7 +297,7 @@ impl Mission {
             lock(&watcher).observe(at, event);
         });
         bridges.observe(&mut system, plan);
-        let connected = self.connect(plan)?;
+        let connected = self.connect(plan, stop)?;
         // before the process is announced: it can be reconfigured from then on, and its files may change
         let mut successor = self.version_switch(&opened.path, plan, &part, &connected)?;
         let mut contacts =
@@ -313,11 +320,19 @@ impl Mission {
             (plan, &part),
             self.clock.describe(),
             (&dashboard_bus, self.process_name(plan)),
+            // without a broker, the process has a bus for itself
+            if self.brokers.is_connected() {
+                &connected
+            } else {
+                &[]
+            },
         )?;
         if dashboard.is_some() {
             contacts.push(self.inside_contact(&mut system, &dashboard_bus, plan, &part)?);
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
+        successor.set_network(network.running());
+        drop(network);
         let recorder = MissionRecorder::start(&self.recorded(), &opened, plan, &mut system);
         let mut recorder = recorder.map_err(MissionError::Launch)?;
         let began = Instant::now();
@@ -371,6 +386,7 @@ impl Mission {
         drop(gateways);
         run.stop();
         let (lost, unsuitable) = (lost_messages(&*run), unsuitable_messages(&*run));
+        let refused = refused_requests(&*run);
         // the last messages of the components are sent before the bus closes
         contacts.iter_mut().for_each(ProcessContact::leave);
         drop((run, contacts, successor, dashboard));
@@ -381,6 +397,7 @@ impl Mission {
             summary,
             failed,
             lost,
+            refused,
             last_changes: lock(&story).last_changes(),
             unsuitable,
             stalled,
@@ -451,6 +468,13 @@ impl Mission {
             }
             for contact in &mut *contacts {
                 contact.process_orders(run);
+                for clock in contact.take_wrong_clocks() {
+                    let remedy = CLOCK_REMEDY.replace('\n', " ");
+                    (self.notice)(&format!("{clock}: {remedy}"));
+                }
+                for problem in contact.take_robot_problems() {
+                    (self.notice)(&problem);
+                }
             }
             if let Some(dashboard) = dashboard {
                 dashboard.process();
@@ -465,6 +489,9 @@ impl Mission {
                 }
                 lock(watch).follow(&version.plan, &version.part);
                 lock(story).follow(&version.plan);
+                if let Some(dashboard) = dashboard {
+                    dashboard.follow(version);
+                }
                 if let Some(opened) = successor.opened() {
                     recorder.follow(run.now(), opened, &version.plan);
                 }
@@ -552,6 +579,20 @@ fn lost_messages(run: &dyn Run) -> Vec<(String, u64)> {
         let counts = inputs.into_iter().zip(run.lost(&component));
         let lost = counts.filter(|(_, count)| *count > 0);
         all.extend(lost.map(|(port, count)| (format!("{component}.{}", port.name), count)));
+    }
+    all
+}
+
+/// The services with requests refused because their queues were full, and the numbers of these.
+fn refused_requests(run: &dyn Run) -> Vec<(String, u64)> {
+    let mut all = Vec::new();
+    for component in run.components() {
+        let services = run.declaration(&component).unwrap_or_default().services;
+        let counts = services.into_iter().zip(run.refused_requests(&component));
+        let refused = counts.filter(|(_, count)| *count > 0);
+        all.extend(
+            refused.map(|(service, count)| (format!("{component}.{}", service.name), count)),
+        );
     }
     all
 }

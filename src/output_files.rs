@@ -1,16 +1,17 @@
 //! Files written by a run: the trace and the recording.
 
-use std::fs::File;
-use std::io;
+mod growing;
+
 use std::path::Path;
 
 use asmotion_component::Time;
-use asmotion_recording::{PortRecording, RecordingProfile};
+use asmotion_recording::RecordingProfile;
 use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
 
 use crate::mission::RecordingRequest;
-use crate::trace::MissionTrace;
+use crate::terminal::print_warning;
+use growing::{TableFile, TraceFile};
 
 /// Options that select the files to write.
 #[derive(Args, Clone, Default)]
@@ -46,8 +47,10 @@ enum RecordingReaders {
 /// The files being written.
 #[derive(Debug, Default)]
 pub struct OutputFiles {
-    trace: Option<(String, MissionTrace)>,
-    record: Option<(String, PortRecording)>,
+    trace: Option<TraceFile>,
+    table: Option<TableFile>,
+    /// The first error of writing, after which nothing is written.
+    failure: Option<String>,
 }
 
 impl OutputArguments {
@@ -77,43 +80,68 @@ impl OutputArguments {
         }
     }
 
-    /// Creates the requested files in memory, other than those that are written during the run.
-    pub fn open(&self) -> OutputFiles {
-        let trace = self.trace.clone();
-        let record = self.record.clone().filter(|path| !is_mcap(path));
-        OutputFiles {
-            trace: trace.map(|path| (path, MissionTrace::new())),
-            record: record.map(|path| (path, PortRecording::of(&self.ports))),
-        }
+    /// Opens the requested files, other than MCAP.
+    ///
+    /// # Errors
+    /// Fails if a file cannot be written.
+    pub fn open(&self) -> Result<OutputFiles, String> {
+        let trace = self.trace.as_ref().map(|path| {
+            let file = TraceFile::open(path);
+            file.map_err(|error| cannot(path, error))
+        });
+        let table = self.record.as_ref().filter(|path| !is_mcap(path));
+        let table = table.map(|path| {
+            let file = TableFile::open(path, &self.ports);
+            file.map_err(|error| cannot(path, error))
+        });
+        Ok(OutputFiles {
+            trace: trace.transpose()?,
+            table: table.transpose()?,
+            failure: None,
+        })
     }
 }
 
 impl OutputFiles {
-    /// Records an event.
+    /// Records an event. If a file can no longer be written, this is reported, and the run goes on.
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
-        if let Some((_, trace)) = &mut self.trace {
-            trace.note(at, event);
+        if self.failure.is_some() {
+            return;
         }
-        if let Some((_, record)) = &mut self.record {
-            record.note(at, event);
+        if let Some(file) = &mut self.trace {
+            file.trace().note(at, event);
+            let written = file.write_due();
+            self.failure = written.err().map(|error| cannot(file.path(), error));
+        }
+        if let Some(file) = &mut self.table {
+            file.recording().note(at, event);
+            let failed = file.write_due().err();
+            let failed = failed.map(|error| cannot(file.path(), error));
+            self.failure = self.failure.take().or(failed);
+        }
+        if let Some(failure) = &self.failure {
+            print_warning(failure);
         }
     }
 
-    /// Writes the files. Returns the patterns of ports that published nothing.
+    /// Completes the files. Returns the patterns of ports that published nothing.
     ///
     /// # Errors
     /// Fails if a file cannot be written.
-    pub fn close(&self) -> Result<Vec<&str>, String> {
-        if let Some((path, trace)) = &self.trace {
-            std::fs::write(path, trace.text()).map_err(|error| cannot(path, error))?;
+    pub fn close(&mut self) -> Result<Vec<&str>, String> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
         }
-        let Some((path, record)) = &self.record else {
+        if let Some(file) = &mut self.trace {
+            let written = file.write();
+            written.map_err(|error| cannot(file.path(), error))?;
+        }
+        let Some(file) = &mut self.table else {
             return Ok(Vec::new());
         };
-        let file = File::create(path).map_err(|error| cannot(path, error))?;
-        let written = record.write(io::BufWriter::new(file));
-        written.map_err(|error| cannot(path, error))?;
-        Ok(record.unmatched_patterns().collect())
+        let written = file.finish();
+        written.map_err(|error| cannot(file.path(), error))?;
+        Ok(file.unmatched_patterns().collect())
     }
 }
 

@@ -4,7 +4,9 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::files::reason;
+use asmotion_lang::{Loader, syntax};
+
+use crate::files::{DiskLoader, STANDARD_INPUT, reason};
 
 /// Kind of a file, from its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,8 +24,14 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// Returns the kind of a file, or `None` if its name does not tell.
+    /// Returns the kind of a file, or `None` if its name does not tell. The kind of standard input follows from its text.
     pub fn of(path: &Path) -> Option<Self> {
+        if path == Path::new(STANDARD_INPUT) {
+            return DiskLoader
+                .read(STANDARD_INPUT)
+                .ok()
+                .map(|it| Self::of_text(&it));
+        }
         let name = path.file_name()?.to_string_lossy();
         let ends = [
             (".asm", Self::Specification),
@@ -34,6 +42,21 @@ impl FileKind {
         ];
         let found = ends.iter().find(|(end, _)| name.ends_with(end));
         found.map(|(_, kind)| *kind)
+    }
+
+    /// Returns the kind of a text without a name. A script cannot be told from its text.
+    fn of_text(text: &str) -> Self {
+        let lines = text.lines().map(str::trim);
+        let mut lines = lines.skip_while(|line| line.is_empty() || line.starts_with('#'));
+        let begins = lines.next().unwrap_or_default();
+        let dialect = begins.strip_prefix("schema").map(str::trim_start);
+        let dialect = dialect.and_then(|rest| rest.strip_prefix('='));
+        match dialect.map(|it| it.trim_start_matches([' ', '"', '\''])) {
+            Some(dialect) if dialect.starts_with("mission/") => Self::Mission,
+            Some(_) => Self::Composite,
+            None if syntax::begins_scenario(text) => Self::Scenario,
+            None => Self::Specification,
+        }
     }
 }
 
@@ -51,6 +74,11 @@ impl NamedFile {
     pub fn text(&self) -> String {
         self.path.display().to_string()
     }
+
+    /// Returns whether this is standard input.
+    pub fn is_standard_input(&self) -> bool {
+        self.path == Path::new(STANDARD_INPUT)
+    }
 }
 
 /// Returns an error text if one of the files is known to be no specification; it names the command for such files.
@@ -62,6 +90,12 @@ pub fn other_than_specification(files: &[NamedFile]) -> Option<String> {
             FileKind::Mission => ("test", "a mission"),
             FileKind::Specification => return None,
         };
+        if file.is_standard_input() {
+            let path = if command == "run" { "FILE" } else { "-" };
+            return Some(format!(
+                "the text on standard input is {what}: `asmotion {command} {path}` runs it"
+            ));
+        }
         let path = file.text();
         Some(format!(
             "`{path}` is {what}: `asmotion {command} {path}` runs it"
@@ -82,11 +116,11 @@ impl fmt::Display for PathError {
     }
 }
 
-/// Returns the files named by the arguments of a command: files as they are, and all files of these kinds below a folder, in
-/// order of names. Hidden folders and links to folders are not entered.
+/// Returns the files named by the arguments of a command: files as they are, standard input for `-`, and all files of these kinds
+/// below a folder, in order of names. Hidden folders and links to folders are not entered.
 ///
 /// # Errors
-/// Fails for a folder that cannot be read or contains no such file.
+/// Fails for a folder that cannot be read or contains no such file, and for standard input that cannot be read.
 pub fn named_files(paths: &[PathBuf], kinds: &[FileKind]) -> Result<Vec<NamedFile>, PathError> {
     let mut files = Vec::new();
     for path in paths {
@@ -94,6 +128,16 @@ pub fn named_files(paths: &[PathBuf], kinds: &[FileKind]) -> Result<Vec<NamedFil
             path: path.clone(),
             reason,
         };
+        if path == Path::new("-") {
+            DiskLoader
+                .read(STANDARD_INPUT)
+                .map_err(|error| failed(error.reason))?;
+            files.push(NamedFile {
+                path: PathBuf::from(STANDARD_INPUT),
+                folder: None,
+            });
+            continue;
+        }
         // a missing file is reported by the command, like any other that it cannot read
         if !path.is_dir() {
             files.push(NamedFile {
@@ -125,6 +169,12 @@ const SUGGESTED: usize = 5;
 /// # Errors
 /// Describes what is there instead, with the composites of the folder.
 pub fn composite_file(path: &str) -> Result<(), String> {
+    if path == "-" {
+        return Err(
+            "cannot run `-`: a composite is a file, which restarts and `reconfigure` read again"
+                .to_owned(),
+        );
+    }
     let path = Path::new(path);
     let (what, folder) = match (path.is_dir(), path.exists()) {
         (true, _) => ("it is a folder", path),

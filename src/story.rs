@@ -6,6 +6,8 @@
 
 mod driven_path;
 mod input;
+mod limit;
+mod losses;
 mod message;
 mod repeats;
 mod robot;
@@ -33,6 +35,8 @@ use asmotion_runtime::{
 };
 
 use self::input::StoryInput;
+use self::limit::StoryLimit;
+use self::losses::{LossPlace, OngoingLosses};
 use self::repeats::RepeatedEntries;
 use crate::terminal::{BAD, FAINT, NAME, NOTE};
 
@@ -44,6 +48,8 @@ pub struct Story {
     /// Messages on topics reach the components of this process by the bus as well.
     topics_return: bool,
     repeats: RepeatedEntries,
+    limit: StoryLimit,
+    losses: OngoingLosses,
     summary: Summary,
     /// Names of components in logs, where they differ from those in the composite.
     ids: BTreeMap<String, String>,
@@ -63,6 +69,10 @@ struct StoryEntry {
     again: Option<String>,
     /// It says a value, the last of which is reported at the end.
     is_change: bool,
+    /// It is reported however many entries there are.
+    is_warning: bool,
+    /// It is the number of messages lost at this place so far.
+    loss: Option<LossPlace>,
 }
 
 impl StoryEntry {
@@ -71,6 +81,8 @@ impl StoryEntry {
             line,
             again: None,
             is_change: false,
+            is_warning: false,
+            loss: None,
         }
     }
 
@@ -96,6 +108,7 @@ impl Story {
             inputs: input::of(plan),
             topics_return: part.takes_the_bus_inside(),
             ids: ids(plan),
+            limit: StoryLimit::of(plan),
             ..Self::default()
         }
     }
@@ -103,6 +116,7 @@ impl Story {
     /// Tells the story of another version of the system from now on.
     pub fn follow(&mut self, plan: &Plan) {
         self.ids = ids(plan);
+        self.limit = StoryLimit::of(plan);
         let known = std::mem::replace(&mut self.inputs, input::of(plan));
         for input in &mut self.inputs {
             input.continue_from(&known);
@@ -119,7 +133,11 @@ impl Story {
     /// Handles an event. Returns the lines to print, which are usually none.
     pub fn report(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
         self.summary.end_time = Some(at);
-        let entry = self.entry(at, event);
+        let entry = self.entry(at, event).filter(|entry| match &entry.loss {
+            Some(place) => self.losses.is_due(at, place.clone(), &entry.line),
+            None => true,
+        });
+        let ended = self.losses.ended(at);
         let repeated = self.repeats.due(at, entry.as_ref());
         let entry = entry.filter(|entry| match &entry.again {
             Some(name) => {
@@ -128,17 +146,23 @@ impl Story {
             }
             None => true,
         });
-        let entry = entry.map(|entry| stamped(at, &entry.line));
-        match (repeated.map(|line| stamped(at, &line)), entry) {
-            (Some(repeated), Some(entry)) => Some(format!("{repeated}\n{entry}")),
-            (repeated, entry) => repeated.or(entry),
-        }
+        let hidden = self.limit.pass(at);
+        let entry = entry.filter(|entry| self.limit.admits(entry.is_warning));
+        let entry = entry.map(|entry| entry.line);
+        let lines = [hidden, repeated].into_iter().flatten();
+        let lines = lines.chain(ended).chain(entry);
+        let lines: Vec<String> = lines.map(|line| stamped(at, &line)).collect();
+        (!lines.is_empty()).then(|| lines.join("\n"))
     }
 
-    /// The last changes that have only been counted, for the end of a run.
+    /// The last changes and numbers of losses that have only been counted, for the end of a run.
     pub fn last_changes(&mut self) -> Vec<String> {
-        let changes = self.repeats.last_changes().into_iter();
-        changes.map(|(at, line)| stamped(at, &line)).collect()
+        let losses = self.losses.rest();
+        let changes = self.repeats.last_changes().into_iter().chain(losses);
+        let mut changes: Vec<String> = changes.map(|(at, line)| stamped(at, &line)).collect();
+        self.limit.shorten(&mut changes);
+        changes.extend(self.limit.rest());
+        changes
     }
 
     fn entry(&mut self, at: Time, event: &Event<'_>) -> Option<StoryEntry> {
@@ -247,7 +271,7 @@ impl Story {
                 if let Some(reason) = reason {
                     what += &format!(" ({reason})");
                 }
-                Some(warning_entry(NOTE, "dropped", what))
+                Some(loss_entry([*component, *port, *to], what))
             }
             Event::Lost { count } => {
                 let what = format!("{count} events of this run");
@@ -438,7 +462,18 @@ fn message_entry(
 }
 
 fn warning_entry(style: anstyle::Style, word: &str, what: String) -> StoryEntry {
-    StoryEntry::single(format!("{style}{word}{style:#} {what}"))
+    StoryEntry {
+        is_warning: true,
+        ..StoryEntry::single(format!("{style}{word}{style:#} {what}"))
+    }
+}
+
+/// The entry for the number of messages lost so far between a writer, its port and a reader.
+fn loss_entry(place: [&str; 3], what: String) -> StoryEntry {
+    StoryEntry {
+        loss: Some(place.map(str::to_owned).into()),
+        ..warning_entry(NOTE, "dropped", what)
+    }
 }
 
 fn stamped(at: Time, line: &str) -> String {

@@ -4,6 +4,7 @@
 
 mod board;
 mod draw;
+mod fold;
 mod list_table;
 mod screen;
 #[cfg(test)]

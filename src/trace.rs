@@ -33,6 +33,11 @@ impl MissionTrace {
         &self.text
     }
 
+    /// Takes the lines so far out of the trace.
+    pub fn take_text(&mut self) -> String {
+        std::mem::take(&mut self.text)
+    }
+
     /// Records an event.
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         let line = match event {

@@ -4,13 +4,15 @@ use crate::build::Build;
 use crate::files::DiskLoader;
 use asmotion_composite::model::PlannedVerify;
 use asmotion_lang::hir::PropertyLogic;
-use asmotion_lang::{Loader, ReadOptions, Report, Sources, Span, Style, render_all};
+use asmotion_lang::value::Atom;
+use asmotion_lang::{Loader, ReadOptions, Report, Sources, Span, Style, Value, render_all};
 use asmotion_plan::{Component, Implementation, Plan};
 use asmotion_verification::{
     ComponentModel, ModelContext, ModelError, ModelledEnvironment, component_model,
 };
 use asmotion_verify::{
-    Limits, Note, Options, PropertyKind, Run, Verdict, Verification, state_constraints, verify,
+    Limits, MessageLink, Note, Options, PropertyKind, Run, SystemSpecification, Verdict,
+    Verification, state_constraints, verify,
 };
 use std::time::{Duration, Instant};
 
@@ -96,6 +98,8 @@ pub fn in_terms_of_composite(verification: &mut Verification, environment: &Mode
                 | Note::Unmet(_)
                 | Note::Irrelevant(_)
                 | Note::Unfair { .. }
+                | Note::Undecided(_)
+                | Note::Unexamined(_)
                 | Note::FailingSteps => true,
             });
             if property.notes.is_empty() && !matches!(property.verdict, Verdict::Unknown) {
@@ -286,8 +290,17 @@ pub fn before_start(
             run.as_ref().map_or_else(String::new, |run| in_lines(run))
         )),
         Verdict::Unknown => Some(format!(
-            "`{}` of `{name}` is not known to hold: not all states were explored within the limits of `verify`",
-            it.text
+            "`{}` of `{name}` is not known to hold: {} within the limits of `verify`",
+            it.text,
+            if it
+                .notes
+                .iter()
+                .any(|note| matches!(note, Note::Undecided(_)))
+            {
+                "it was not decided"
+            } else {
+                "not all states were explored"
+            }
         )),
     });
     StartVerification {
@@ -351,4 +364,38 @@ pub fn exchanges_messages(plan: &Plan) -> bool {
         let opened = asmotion_lang::open(file, &DiskLoader);
         opened.is_ok_and(|it| !asmotion_lang::ir::message_uses(&it.model).is_empty())
     })
+}
+
+/// Links partners of specifications to other specifications, by the wires of their composite and not by their names. Requests from outside
+/// come to promoted services, and to those that are called by components without a specification or by wires to several services. An
+/// input has any value, also if a connection leads to it.
+pub fn link_messages(plan: &Plan, system: &mut SystemSpecification) {
+    system.ignores_names = true;
+    let machines = &system.machines;
+    let index_of = |component: &str| machines.iter().position(|it| it.name == component);
+    for wire in &plan.wires {
+        let providers = wire.services.iter();
+        let providers = providers.filter_map(|service| index_of(&service.component));
+        let providers: Vec<usize> = providers.collect();
+        let link = index_of(&wire.reference.component).and_then(|client| {
+            let atoms = &machines.get(client)?.specification.program.symbols.atoms;
+            let mut atoms = (0u32..).map(Atom).zip(atoms);
+            let (partner, _) = atoms.find(|(_, name)| ***name == *wire.reference.name)?;
+            Some((client, Value::Atom(partner)))
+        });
+        match (link, providers.as_slice()) {
+            (Some((client, partner)), [provider]) if wire.services.len() == 1 => {
+                system.message_links.push(MessageLink {
+                    client,
+                    partner,
+                    provider: *provider,
+                });
+            }
+            (Some(_) | None, _) => system.open.extend(providers),
+        }
+    }
+    let services = plan.promoted.iter().filter(|it| it.what == "service");
+    let components = services.filter_map(|it| it.inside.rsplit_once('.'));
+    let promoted = components.filter_map(|(component, _)| index_of(component));
+    system.open.extend(promoted);
 }

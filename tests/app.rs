@@ -281,7 +281,7 @@ fn a_command_of_the_program_is_one_of_its_commands() {
     let folder = tempfile::tempdir().unwrap();
     let (code, text) = run(folder.path(), &["home", "--close"]);
     assert!(
-        code == Some(0) && text.contains("home, close = true, 13 components"),
+        code == Some(0) && text.contains("home, close = true, 14 components"),
         "{text}"
     );
     let (code, text) = run(folder.path(), &["--help"]);

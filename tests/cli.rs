@@ -11,6 +11,7 @@ mod output;
 mod paths;
 mod replay;
 mod run;
+mod run_files;
 mod sim;
 mod verify;
 mod verify_inputs;
@@ -18,6 +19,7 @@ mod verify_itf;
 mod verify_storage;
 mod verify_symbolic;
 mod verify_systems;
+mod verify_watch;
 
 use assert_cmd::Command;
 

@@ -66,3 +66,57 @@ fn robots_receive_orders_by_pattern_and_report_by_topic_and_by_key() {
         assert!(orders.iter().sum::<usize>() >= 4, "{clock}: {values:?}");
     }
 }
+
+/// Two robots that are sent away, and one that stays.
+const MODES: &str = "asm modes
+import StandardLibrary
+signature:
+	domain Robot subsetof Integer
+	enum domain Mode = {IDLE | RUN | END}
+	controlled mode: Robot -> Mode
+	controlled n: Integer
+definitions:
+	domain Robot = {1 : 3}
+	main rule r_Main = par
+		n := n + 1
+		forall $r in Robot with $r > 1 do
+			if mode($r) = IDLE then mode($r) := RUN
+			else if mode($r) = RUN and n = 2 then mode($r) := END endif endif
+	endpar
+default init s0:
+	function mode($r in Robot) = IDLE
+	function n = 0
+";
+
+#[test]
+fn the_control_states_of_agents_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let composite = folder.path().join("modes.composite.toml");
+    let text = "schema = \"composite/1\"\n[composite]\nname = \"modes\"\n[components.Fleet]\nimplementation = { asm = \"modes.asm\" }\n\
+                task.period_ms = 100\n";
+    std::fs::write(&composite, text).unwrap();
+    let run = |specification: &str, json: bool| {
+        std::fs::write(folder.path().join("modes.asm"), specification).unwrap();
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command.arg("run").arg(&composite).args(["--for", "0.5"]);
+        command.args(json.then_some("--json"));
+        let output = command.output().unwrap();
+        String::from_utf8([output.stderr, output.stdout].concat()).unwrap()
+    };
+    let said = run(MODES, false);
+    assert!(said.contains("in END ×2, IDLE ×1"), "{said}");
+    assert!(said.contains("4 changes of control state"), "{said}");
+    let said = run(MODES, true);
+    let summary: serde_json::Value =
+        serde_json::from_str(said.lines().last().unwrap()).unwrap_or_else(|_| panic!("{said}"));
+    assert_eq!(summary["transitions"], 4);
+    assert_eq!(
+        summary["control_states"],
+        serde_json::json!([{ "component": "Fleet", "state": "END ×2, IDLE ×1" }])
+    );
+    // the locations of a large fleet are not listed, and agents in one state are in that state
+    let said = run(&MODES.replace("{1 : 3}", "{1 : 40}"), false);
+    assert!(said.contains("in END ×39, IDLE ×1"), "{said}");
+    let said = run(&MODES.replace(" with $r > 1", ""), false);
+    assert!(said.contains("in END after"), "{said}");
+}

@@ -587,7 +587,7 @@ bind.monitored.ev = { value = "NOEV" }
 reference = "Surveyor.maps"
 binding = "http"
 url = "${MAPS_URL}"
-timeout_ms = 2000
+timeout_ms = 15000
 "#;
 
 /// The type of an operation is that of its interface, whoever provides it.
@@ -604,6 +604,11 @@ fn c5_a_reply_of_another_type_than_that_of_its_operation_is_a_failed_call() {
         ("b'[1, 2]'", "BROKEN", "expected"),
         ("b'{\"info\": {\"width\": \"two\"}}'", "BROKEN", "width"),
         ("b'{\"inf\": 1}'", "BROKEN", "inf"),
+        (
+            "b'{\"info\": {\"width\": 2}, \"info\": {}}'",
+            "BROKEN",
+            "the field `info` occurs twice",
+        ),
     ] {
         let server = server.replace("json.dumps(argument + 3).encode()", reply);
         let Some(server) = PythonServer::start(&server, folder.path()) else {
@@ -634,6 +639,34 @@ fn c5_a_reply_of_another_type_than_that_of_its_operation_is_a_failed_call() {
         assert!(error.to_string().contains(detail), "{reply}: {error}");
         assert!(replied.contains("BAD_REPLY"), "{reply}: {replied}");
     }
+}
+
+/// The specification learns at once that a server has given up, or that there is none, and the run says why.
+#[test]
+fn c5_a_server_that_times_out_or_is_not_there_ends_the_call_at_once() {
+    let (folder, path) = composite(SURVEYED);
+    std::fs::write(folder.path().join("surveyor.asm"), SURVEYOR).unwrap();
+    let survey = |url: &str, arguments: &[&str]| {
+        let limits = ["--until", "hasEnded=true", "--for", "10", "--clock", "wall"];
+        let mut command = run(&path, &[&limits[..], arguments].concat());
+        let output = command.env("MAPS_URL", url).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        output
+    };
+    let output = survey("http://127.0.0.1:1/maps", &[]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let reason =
+        "`maps` at http://127.0.0.1:1/maps is unavailable: cannot connect: Connection refused";
+    assert!(text.contains(reason), "{output:?}");
+    let reply = "reply = json.dumps(argument + 3).encode() if is_job else b\"\"";
+    let server = PYTHON.replace(reply, "return self.send_error(504)");
+    let Some(server) = PythonServer::start(&server, folder.path()) else {
+        return;
+    };
+    let url = format!("http://127.0.0.1:{}/maps", server.port);
+    // the wire allows 15 s
+    let output = survey(&url, &["--json"]);
+    assert_eq!(last_error(&output), "timeout");
 }
 
 /// The error of the last reply that a run has reported.
@@ -717,6 +750,22 @@ print(server";
         let detail = fault["detail"].as_str().unwrap();
         assert!(detail.contains("invalid peer certificate"), "{detail}");
     }
+    // the certificate of an authority is none of a server
+    let alone = PYTHON.replace("http.server, json", "http.server, json, ssl");
+    let encrypted = encrypted.replace("server.pem', 'server.key", "alone.pem', 'alone.key");
+    let alone = alone.replace("print(server", &encrypted);
+    let alone = PythonServer::start(&alone, &folder.path().join("plant")).unwrap();
+    let text = composite.replace("timeout_ms", "ca = \"plant/alone.pem\"\ntimeout_ms");
+    std::fs::write(&street, text).unwrap();
+    let url_of_alone = format!("https://localhost:{}/jobs", alone.port);
+    let output = courier(&street, &url_of_alone, "none", &["--clock", "wall"]);
+    let fault = &last_error(&output)["fault"];
+    assert_eq!(fault["code"], "NO_TLS", "{fault}");
+    let detail = fault["detail"].as_str().unwrap();
+    assert!(
+        detail.contains("basicConstraints=critical,CA:FALSE"),
+        "{detail}"
+    );
     // what looks like a certificate and is none
     let pem = "-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n";
     std::fs::write(folder.path().join("none.pem"), pem).unwrap();

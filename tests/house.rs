@@ -31,7 +31,11 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-verify"],
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
-    &["asmotion-bus", "asmotion-ros-interface"],
+    &[
+        "asmotion-bus",
+        "asmotion-ros-interface",
+        "asmotion-transform",
+    ],
     &[
         "asmotion-amqp",
         "asmotion-http",
@@ -44,6 +48,7 @@ const FLOORS: &[&[&str]] = &[
         "asmotion-component",
         "asmotion-gateway",
         "asmotion-ros-master",
+        "asmotion-viewer-encoding",
     ],
     &[
         "asmotion-bridge",

@@ -23,7 +23,7 @@ pub(super) fn navigation() -> PathBuf {
 pub(super) fn run_any(composite: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.arg("run").arg(composite);
-    command.args(["--json", "--for", "120"]);
+    command.args(["--json", "--for", "600"]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
@@ -599,13 +599,7 @@ fn the_doctor_compares_the_clocks_of_running_processes() {
             .spawn()
             .unwrap();
         while child.try_wait().unwrap().is_none() {
-            for (publisher, presence, ahead) in &mut processes {
-                let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
-                let stamp = now.as_nanos() as i64 + i64::from(*ahead) * 1_000_000_000;
-                publisher
-                    .publish(stamp, Payload::of(presence.clone()))
-                    .unwrap();
-            }
+            publish_presences(&mut processes);
             std::thread::sleep(Duration::from_millis(100));
         }
         let output = child.wait_with_output().unwrap();
@@ -631,6 +625,58 @@ fn the_doctor_compares_the_clocks_of_running_processes() {
         );
         assert!(!said.contains("onboard"), "{said}");
         assert!(said.contains("timedatectl"), "{said}");
+    }
+}
+
+/// A run compares its clock with those of the other processes, and reports each difference once.
+#[test]
+fn a_run_reports_the_clock_of_another_process_that_is_ahead_or_behind() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    for (seconds, direction) in [(10, "ahead of"), (-7, "behind")] {
+        let vhost = broker.vhost().unwrap();
+        let settings = asmotion_amqp::AmqpSettings::parse(&vhost.url()).unwrap();
+        let bus = asmotion_amqp::AmqpBus::connect(settings, LONG).unwrap();
+        let composite = navigation().join("navigation.composite.toml");
+        let mut command = run_any(&composite);
+        command.args(["--bus", &vhost.url(), "--robot", "rover1"]);
+        let mut child = command.stdout(Stdio::null()).spawn().unwrap();
+        let stderr = child.stderr.take().unwrap();
+        let lines = BufReader::new(stderr).lines().map_while(Result::ok);
+        let reader = std::thread::spawn(move || lines.collect::<Vec<_>>());
+        let mut processes = [("onboard", 0), ("station", seconds)]
+            .map(|(process, ahead)| (presence_publisher(&bus, process), presence(process), ahead));
+        for _ in 0..50 {
+            publish_presences(&mut processes);
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let lines = reader.join().unwrap();
+        let reports = lines
+            .iter()
+            .filter(|line| line.contains("the clock of process"));
+        let reports: Vec<&String> = reports.collect();
+        let [report] = reports[..] else {
+            panic!("{lines:?}");
+        };
+        assert!(report.contains("process `station`"), "{report}");
+        let what = format!("{direction} that of this machine: synchronise");
+        assert!(report.contains(&what), "{report}");
+    }
+}
+
+type PublishedPresence = (Box<dyn Publisher>, Datum, i32);
+
+/// Publishes the presence of processes whose clocks are ahead by some seconds.
+fn publish_presences(processes: &mut [PublishedPresence]) {
+    for (publisher, presence, ahead) in processes {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+        let stamp = now.as_nanos() as i64 + i64::from(*ahead) * 1_000_000_000;
+        publisher
+            .publish(stamp, Payload::of(presence.clone()))
+            .unwrap();
     }
 }
 

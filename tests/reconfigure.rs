@@ -1,5 +1,8 @@
 //! C18: a running composite changes to its next version without a restart, or does not change at all.
 
+mod over_brokers;
+mod topics_over_brokers;
+
 use crate::processes::{
     Running, over, run_any, three_processes, through, tool, wait_until_present,
 };
@@ -37,6 +40,8 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
     let (code, out, err) = reconfigure(&[]);
     assert_eq!(code, Some(0), "{err}");
     assert_eq!(out, "onboard: no changes\nplanning: no changes\n");
+    assert!(err.contains("`supervisor` does not run"), "{err}");
+    assert!(!err.contains("`planning`"), "{err}");
 
     // the error is shown at its place, and no process is affected
     becomes(&[(
@@ -60,7 +65,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
         "{out}"
     );
     assert!(
-        err.contains("planning: NEEDS_START: `TrajectoryPlanner` differs in more"),
+        err.contains("planning: NEEDS_START: `TrajectoryPlanner` differs in `task.id`; only"),
         "{err}"
     );
     assert!(err.contains("runs unchanged"), "{err}");
@@ -168,11 +173,37 @@ fn c18_a_component_is_removed_from_a_running_process_and_added_again() {
         .for_each(|name| wait_until_present(&vhost, name));
     let run = |arguments: &[&str]| tool(&broker, &url, arguments);
 
+    // a component that reads a port of another process, and whose service others could call
     becomes(&[REAR_LASER, SPARE_PLANNER].concat());
+    let (code, out, err) = run(&["reconfigure", path]);
+    assert_eq!(code, Some(0), "{err}");
+    let added = "onboard: no changes\n\
+                 planning: `Spare` is added and runs `nav::TrajectoryPlanner`\n\
+                 planning: `Spare.obstacles` receives bus topic port.TrajectoryAdapter.obstacles\n";
+    assert_eq!(out, added, "{err}");
+    let address = "robots.services.navigation.Spare.planning";
+    crate::processes::queues(&vhost, address);
+    becomes(REAR_LASER);
+    let (code, out, err) = run(&["reconfigure", path]);
+    assert_eq!(code, Some(0), "{err}");
+    assert_eq!(
+        out, "onboard: no changes\nplanning: `Spare` is removed\n",
+        "{err}"
+    );
+    let queues = vhost.queues().unwrap();
+    assert!(
+        !queues.iter().any(|it| it.starts_with(address)),
+        "{queues:?}"
+    );
+
+    // the queue of a connection between processes stays as it is
+    let to = "to     = \"TrajectoryPlanner.obstacles\"\npolicy = { type = \"data\" }";
+    let buffered = to.replace("\"data\"", "\"buffer\", size = 4");
+    becomes(&[REAR_LASER, &[(to, &*buffered)]].concat());
     let (code, _, err) = run(&["reconfigure", path]);
     assert_eq!(code, Some(1), "{err}");
-    let reason = "planning: NEEDS_START: `Spare` is new, and its service `planning` is offered to \
-                  other processes";
+    let reason = "planning: NEEDS_START: the connection from `TrajectoryAdapter.obstacles` to \
+                  `TrajectoryPlanner.obstacles` over a broker differs in its policy";
     assert!(err.contains(reason), "{err}");
     assert!(err.contains("runs unchanged"), "{err}");
 

@@ -317,3 +317,30 @@ fn a_composite_records_its_runs() {
     let said = run("dir = \"taken\"");
     assert!(said.contains("recording  none: cannot create"), "{said}");
 }
+
+#[test]
+fn a_composite_records_its_runs_for_tools_of_ros_2() {
+    let folder = tempfile::tempdir().unwrap();
+    // the profile in the header of a file: after the magic number, and opcode and length of the first record
+    let profile = |dir: &str, readers: &str| {
+        let path = recorded(folder.path(), &format!("dir = \"{dir}\"{readers}"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        let (code, said) = output(command.arg("run").arg(path));
+        assert_eq!(code, Some(0), "{said}");
+        let mut files = std::fs::read_dir(folder.path().join(dir)).unwrap();
+        let bytes = std::fs::read(files.next().unwrap().unwrap().path()).unwrap();
+        let length = u32::from_le_bytes(bytes[17..21].try_into().unwrap()) as usize;
+        String::from_utf8(bytes[21..21 + length].to_vec()).unwrap()
+    };
+    assert_eq!(profile("bags", ", for = \"ros2\""), "ros2");
+    let usual = profile("usual", "");
+    assert_ne!(usual, "ros2");
+    assert_eq!(profile("views", ", for = \"viewers\""), usual);
+    let path = recorded(folder.path(), "for = \"ros1\"");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let (_, said) = output(command.arg("check").arg(path));
+    assert!(
+        said.contains("`viewers`") && said.contains("`ros2`"),
+        "{said}"
+    );
+}

@@ -83,7 +83,7 @@ url = "${BROKER}"
 
 [components.MapServer]
 implementation = { rust = "nav::MapServer" }
-task           = { period_ms = 50 }
+task           = { id = "map-server", period_ms = 50 }
 services       = { maps = "nav/MapService" }
 properties     = { source = "${MAPS}" }
 
@@ -254,6 +254,12 @@ fn n12_a_call_that_does_not_fit_the_announced_service_ends_with_a_fault_that_nam
             "NO_SERVICE: robot `depot` has no service `MapServer.mops`, which `Coordinator.maps` calls",
         ),
         (
+            "depot/MapServer.maps",
+            "depot/map-server.maps",
+            "NO_SERVICE: `map-server.maps` of robot `depot`, which `Coordinator.maps` calls, begins with the `task.id` of a \
+             component: its address is `robot://depot/MapServer.maps`",
+        ),
+        (
             "nav/MapService",
             "test/Maps",
             "OTHER_INTERFACE: `MapServer.maps` of robot `depot` has the interface `nav/MapService`, but \
@@ -268,6 +274,37 @@ fn n12_a_call_that_does_not_fit_the_announced_service_ends_with_a_fault_that_nam
         let (code, detail) = fault.split_once(": ").unwrap();
         assert!(said.contains(code) && said.contains(detail), "{said}");
         assert!(began.elapsed() < Duration::from_secs(15), "not at once");
+    }
+    drop(depot);
+}
+
+#[test]
+fn n12_a_component_that_a_running_robot_does_not_have_is_named_with_the_nearest_one() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let site = Site::new(&broker, &vhost);
+    let depot = site.depot();
+    let short = ROVER.replace("timeout_ms = 20000", "timeout_ms = 4000");
+    for (name, problem) in [
+        (
+            "MapSrver.maps",
+            "`Coordinator.maps` calls `robot://depot/MapSrver.maps`: robot `depot` runs (`depot`), but has no component \
+             `MapSrver`; did you mean `MapServer`?",
+        ),
+        (
+            "mops",
+            "`Coordinator.maps` calls `robot://depot/mops`: robot `depot` runs (`depot`), but has no promoted service \
+             `mops`; did you mean `maps`?",
+        ),
+    ] {
+        let composite = site.composite("rover", &short.replace("MapServer.maps", name));
+        let output = site.run(&composite, &["--robot", "rover1"]).output();
+        let output = output.unwrap();
+        failed(&output);
+        let said = text(&output.stderr);
+        assert_eq!(said.matches(problem).count(), 1, "{said}");
     }
     drop(depot);
 }

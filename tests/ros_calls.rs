@@ -1,5 +1,9 @@
-//! Services and actions of ROS 1 through a ros-bridge: nodes of rospy, and a real master.
+//! Services and actions of ROS through a ros-bridge: nodes of rospy with a real master, of Cyclone DDS, and of rclpy on Fast DDS.
 
+use std::path::Path;
+use std::process::Command;
+
+use asmotion_ros_domain::{CycloneNode, RclpyNode, domain, python, rclpy};
 use asmotion_ros_master::{Master, RospyNode};
 use serde_json::{Value, json};
 
@@ -10,6 +14,9 @@ const BOOL: &str = "std_msgs/Bool";
 const TEXT: &str = "std_msgs/String";
 const SET_BOOL: &str = "std_srvs/SetBool";
 const MOVE_BASE: &str = "move_base_msgs/MoveBase";
+/// Ends of goals in ROS 2.
+const SUCCEEDED: u8 = 4;
+const CANCELED: u8 = 5;
 
 /// A composite of `tests/ros_calls` that a node asks for calls.
 struct Asked {
@@ -201,6 +208,99 @@ fn operations_of_components_are_a_service_and_an_action_of_ros() {
     person.obey(json!(["cancel", "/drive"]));
     let end = person.event("end", "/drive");
     assert_eq!(end[2], "PREEMPTED", "{end}");
+}
+
+/// A composite of ROS 2 in a domain.
+fn mission_of_ros2(name: &str, domain: u16) -> Mission {
+    let composite = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros_calls");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command
+        .arg("run")
+        .arg(composite.join(format!("{name}.composite.toml")))
+        .args(["--clock", "wall", "--for", "120"])
+        .env("ROS_DOMAIN_ID", domain.to_string())
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env_remove("ROS_LOCALHOST_ONLY");
+    let mission = Mission::spawn(command);
+    mission.line(&format!("joined the ROS 2 domain {domain}"));
+    mission
+}
+
+/// The mapping of services is that of rmw_cyclonedds.
+#[test]
+fn operations_of_components_are_a_service_and_an_action_of_ros_2() {
+    let Some(python) = python() else { return };
+    let domain = domain();
+    let _mission = mission_of_ros2("offered_ros2", domain);
+    let mut person = CycloneNode::start(&python, domain, "person");
+    person.client("/grip", "std_srvs/srv/SetBool");
+    for (data, message) in [(true, "gripped"), (false, "let go")] {
+        let response = person.call("/grip", &json!({"data": data}));
+        assert_eq!(response, json!({"success": data, "message": message}));
+    }
+    let (drive, goal) = ("/drive", json!({"target": {"x": 3.0, "y": 0.0, "z": 0.0}}));
+    person.action_client(drive, "nav2_msgs/action/DriveOnHeading");
+    person.send_goal(drive, &goal);
+    assert_eq!(person.goal_number(drive, "accepted"), 1);
+    let feedback: Vec<_> = (1..=20)
+        .map(|_| person.message("/drive/feedback"))
+        .collect();
+    let expected: Vec<_> = (1..=20u8)
+        .map(|steps| json!({"distance_traveled": f32::from(steps)}))
+        .collect();
+    assert_eq!(feedback, expected);
+    assert_eq!(person.goal_number(drive, "status"), SUCCEEDED);
+    person.message("/drive/result");
+    person.send_goal(drive, &goal);
+    assert_eq!(person.goal_number(drive, "accepted"), 1);
+    person.message("/drive/feedback");
+    person.cancel_goal(drive);
+    assert_eq!(person.goal_number(drive, "cancelling"), 1);
+    assert_eq!(person.goal_number(drive, "status"), CANCELED);
+}
+
+/// The mapping of services is that of rmw_fastrtps.
+#[test]
+fn operations_of_components_are_services_of_rclpy() {
+    let Some(python) = rclpy() else { return };
+    let domain = domain();
+    let _mission = mission_of_ros2("offered_ros2", domain);
+    let mut person = RclpyNode::start(&python, domain, "person");
+    for (data, message) in [(true, "gripped"), (false, "let go")] {
+        person.obey(&json!(["call", "/grip", "std_srvs/srv/SetBool", {"data": data}]));
+        let response = person.event("response", "/grip");
+        assert_eq!(response, [json!({"success": data, "message": message})]);
+    }
+}
+
+/// The other direction: a specification calls a service of rclpy.
+#[test]
+fn a_specification_calls_a_service_of_rclpy() {
+    let Some(python) = rclpy() else { return };
+    let domain = domain();
+    let mut arm = RclpyNode::start(&python, domain, "arm");
+    let reply = json!({"success": true, "message": "closed"});
+    arm.obey(&json!([
+        "provide",
+        "/arm/set",
+        "std_srvs/srv/SetBool",
+        reply
+    ]));
+    arm.obey(&json!(["subscribe", "/said", "std_msgs/msg/String"]));
+    let _mission = mission_of_ros2("partner_ros2", domain);
+    arm.obey(&json!(["matches", "/said", 1]));
+    arm.obey(&json!(["publish", "/ask", "std_msgs/msg/Empty", null]));
+    arm.obey(&json!(["matches", "/ask", 1]));
+    // a server is found when both sides have discovered it
+    loop {
+        arm.obey(&json!(["publish", "/ask", "std_msgs/msg/Empty", {}]));
+        let said = arm.event("message", "/said");
+        if said == [json!({"data": "closed"})] {
+            break;
+        }
+        assert_eq!(said, [json!({"data": "CALL_FAILED"})]);
+    }
+    assert_eq!(arm.event("request", "/arm/set"), [json!({"data": true})]);
 }
 
 #[test]

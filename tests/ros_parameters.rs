@@ -34,10 +34,20 @@ impl Tool {
         assert_eq!(self.ask(&format!("set {name} {value}")), "set");
     }
 
-    /// Sets a parameter, and waits until the component has surely taken it: of several values in one cycle, the last counts.
-    fn set_and_rest(&mut self, name: &str, value: &str) {
-        self.set(name, value);
-        std::thread::sleep(Duration::from_secs(2));
+    /// Sets a parameter until the component has taken the value, which it then has in place of `refused`. Of several values in one
+    /// cycle, the last counts, so it tries again with longer rests.
+    fn set_until_taken(&mut self, mission: &Mission, name: &str, (value, refused): (&str, &str)) {
+        let mut rest = Duration::from_millis(100);
+        loop {
+            self.set(name, value);
+            std::thread::sleep(rest);
+            self.set(name, refused);
+            let line = mission.line("is set back to");
+            if line.contains(&format!("is set back to {value}")) {
+                return;
+            }
+            rest = (2 * rest).min(Duration::from_secs(5));
+        }
     }
 
     /// Waits until a parameter has a value, in JSON.
@@ -72,9 +82,7 @@ fn properties_are_parameters_of_ros_1_and_follow_them() {
         tool.ask("get /map/cells").parse::<u32>().ok()
     });
     // an integer for a number, as people write it
-    tool.set_and_rest("/robot/follower/max_speed", "1");
-    tool.set("/robot/follower/max_speed", "-1");
-    mission.line("`follower/max_speed` is set back to 1.0");
+    tool.set_until_taken(&mission, "/robot/follower/max_speed", ("1", "-1"));
     tool.wait("/robot/follower/max_speed", "1.0");
     tool.set("/robot/follower/goal_heading", "\"maybe\"");
     mission.line("`follower/goal_heading` is set back to true");
@@ -82,9 +90,7 @@ fn properties_are_parameters_of_ros_1_and_follow_them() {
     // one that is deleted comes back
     assert_eq!(tool.ask("delete /robot/follower/max_speed"), "deleted");
     tool.wait("/robot/follower/max_speed", "1.0");
-    tool.set_and_rest("/map/cells", "4000000");
-    tool.set("/map/cells", "-1");
-    mission.line("`/map/cells` is set back to 4000000");
+    tool.set_until_taken(&mission, "/map/cells", ("4000000", "-1"));
 }
 
 #[test]
@@ -96,10 +102,7 @@ fn parameters_of_ros_1_come_back_with_the_master_and_end_with_the_run() {
     let mission = Mission::start_in(&master, "ros_parameters", "ros1");
     mission.line("registered at the ROS master");
     tool.wait("/robot/follower/max_speed", "0.7");
-    tool.set_and_rest("/robot/follower/max_speed", "0.9");
-    // the component has taken it
-    tool.set("/robot/follower/max_speed", "-1");
-    mission.line("is set back to 0.9");
+    tool.set_until_taken(&mission, "/robot/follower/max_speed", ("0.9", "-1"));
     // another master knows no parameters
     master.restart();
     tool.wait("/robot/follower/max_speed", "0.9");

@@ -234,6 +234,8 @@ fn c4_a_service_is_called_through_three_doors() {
     assert_eq!(call(&broker, &vhost, "courier.jobs.job", "4"), "7");
     let own = "courier.Dispatcher.dispatch.job";
     assert_eq!(call(&broker, &vhost, own, "5"), "8");
+    // also without the robot
+    assert_eq!(call(&broker, &vhost, "jobs.job", "6"), "9");
     // from outside of all buses: the same reply, and none if there is no provider
     let job = format!("{services}/jobs/job");
     assert_eq!(post(&job, "4"), (200, json!(7)));

@@ -53,6 +53,9 @@ fn start(command: &str, composite: &Path, broker: &TestBroker, vhost: &Vhost<'_>
     process.arg(command).arg(composite);
     process.args(["--bus", &vhost.url()]);
     process.env("ASMOTION_PASSWORD", broker.password());
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("python");
+    process.env("PYTHONPATH", package);
+    process.env("PYTHONDONTWRITEBYTECODE", "1");
     // no pipe, which a process that outlives `up` would keep open
     process.stdout(Stdio::null()).stderr(Stdio::null());
     Running::start(&mut process)
@@ -143,6 +146,81 @@ fn the_last_message_of_a_component_that_fails_is_the_safe_one() {
     is_permitted(&peer, 0);
     assert_eq!(process.end().status.code(), Some(3));
     is_withdrawn(&peer);
+}
+
+/// A program that gives a permission in every cycle, and fails in the one of this number.
+const PROGRAM: &str = r#"
+import asmotion
+
+@asmotion.message("std_msgs/Bool")
+class Permission:
+    data: bool = False
+
+class Keeper(asmotion.Component):
+    """Gives a permission."""
+    permit = asmotion.Out(Permission, "whether to move", safe=Permission(False))
+
+    def __init__(self):
+        self.cycles = 0
+
+    def update(self, cycle):
+        self.cycles += 1
+        self.permit.write(Permission(True))
+        if self.cycles == FAILS:
+            raise RuntimeError("broken")
+
+asmotion.run(Keeper)
+"#;
+
+/// The composite with the program, which fails in its cycle number `fails`.
+fn composite_of_program(folder: &Path, fails: &str) -> PathBuf {
+    let program = PROGRAM.replace("FAILS", fails);
+    std::fs::write(folder.join("keeper.py"), program).unwrap();
+    let text = r#"schema = "composite/1"
+[composite]
+name = "kept"
+[components.Keeper]
+implementation = { process = ["python3", "keeper.py"] }
+activity = { period_ms = 20 }
+publish = { permit = "std_msgs/Bool" }
+[[promote]]
+topic = "permit"
+as = "permit"
+"#;
+    let composite = folder.join("kept.composite.toml");
+    std::fs::write(&composite, text).unwrap();
+    composite
+}
+
+#[test]
+fn the_last_message_of_a_program_is_the_safe_one_however_it_ends() {
+    let (Some(broker), Some(python)) = (asmotion_broker::calm(), python()) else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let peer = Peer::start(python, &vhost.url(), &["kept.permit"]);
+    let mut known = 0;
+    let composite = composite_of_program(folder.path(), "-1");
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        let process = start("run", &composite, &broker, &vhost);
+        is_permitted(&peer, known);
+        process.signal(signal);
+        process.end();
+        known = is_withdrawn(&peer);
+    }
+    let process = start("run", &composite, &broker, &vhost);
+    is_permitted(&peer, known);
+    queues(&vhost, "robots.services.kept.control.");
+    let (code, _, said) = tool(&broker, &vhost.url(), &["component", "stop", "Keeper"]);
+    assert_eq!(code, Some(0), "{said}");
+    known = is_withdrawn(&peer);
+    process.interrupt();
+    let composite = composite_of_program(folder.path(), "50");
+    let process = start("run", &composite, &broker, &vhost);
+    is_permitted(&peer, known);
+    is_withdrawn(&peer);
+    process.interrupt();
 }
 
 /// Writes its cycles, and when it stops how many there were; then the engine adds the safe value.

@@ -1,6 +1,7 @@
 //! `asmotion up`: all processes of a composite on one machine are restarted as often as the composite says.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
@@ -83,13 +84,7 @@ fn what_is_killed_is_started_again_until_it_was_too_often() {
     let mut command = up(folder.path(), &["--host", "desk", "--bus", &url]);
     command.env("ASMOTION_PASSWORD", broker.password());
     let mut running = command.spawn().unwrap();
-    let stderr = BufReader::new(running.stderr.take().unwrap());
-    let (send, lines) = channel();
-    let reader = std::thread::spawn(move || {
-        for line in stderr.lines().map_while(Result::ok) {
-            let _ = send.send(line);
-        }
-    });
+    let lines = lines_of(&mut running);
     said(&lines, "far, which runs on `robot`");
     for count in ["restart 1", "restart 2", "too many restarts"] {
         let started = said(&lines, "Started near, process ");
@@ -103,7 +98,120 @@ fn what_is_killed_is_started_again_until_it_was_too_often() {
     }
     said(&lines, "near, 2 restarts");
     assert_eq!(running.wait().unwrap().code(), Some(1));
-    reader.join().unwrap();
+}
+
+/// What a supervisor prints on standard error, line by line.
+fn lines_of(running: &mut Child) -> Receiver<String> {
+    let stderr = BufReader::new(running.stderr.take().unwrap());
+    let (send, lines) = channel();
+    std::thread::spawn(move || {
+        for line in stderr.lines().map_while(Result::ok) {
+            let _ = send.send(line);
+        }
+    });
+    lines
+}
+
+#[test]
+fn what_was_started_in_a_wrong_way_is_not_started_again() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let url = format!(
+        "amqp://{}@{}/{}",
+        broker.user(),
+        broker.address(),
+        vhost.name()
+    );
+    let arguments = ["--host", "desk", "--bus", &url, "--set", "Nobody.speed=1"];
+    let mut command = up(folder.path(), &arguments);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    let mut running = command.spawn().unwrap();
+    let lines = lines_of(&mut running);
+    said(&lines, "`Nobody`");
+    let line = said(&lines, "is not restarted");
+    assert!(line.contains("`near` ended (exit status: 2)"), "{line}");
+    said(&lines, "near, 0 restarts");
+    assert_eq!(running.wait().unwrap().code(), Some(1));
+}
+
+#[test]
+fn a_broker_that_comes_late_is_awaited() {
+    let Some(broker) = asmotion_broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    broker.kill().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let mut command = up(folder.path(), &["--host", "desk", "--bus", &url]);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    let mut running = command.spawn().unwrap();
+    let lines = lines_of(&mut running);
+    let line = said(&lines, "waiting for the broker at ");
+    assert!(line.contains("at most 29"), "{line}");
+    broker.revive().unwrap();
+    // it runs, without a restart
+    let until = Instant::now() + LONG;
+    loop {
+        let tool = Command::new(env!("CARGO_BIN_EXE_asmotion"))
+            .args(["component", "list", "--bus", &url])
+            .env("ASMOTION_PASSWORD", broker.password())
+            .output()
+            .unwrap();
+        if String::from_utf8_lossy(&tool.stdout).contains("Worker") {
+            break;
+        }
+        assert!(Instant::now() < until, "{tool:?}");
+    }
+    signal("-TERM", &running.id().to_string());
+    said(&lines, "near, 0 restarts");
+    assert!(running.wait().unwrap().success());
+}
+
+#[test]
+fn each_process_has_a_dashboard_also_after_a_restart() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let url = format!(
+        "amqp://{}@{}/{}",
+        broker.user(),
+        broker.address(),
+        vhost.name()
+    );
+    let arguments = ["--host", "desk", "--bus", &url, "--dashboard"];
+    let mut command = up(folder.path(), &arguments);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    let mut running = Supervised(command.spawn().unwrap());
+    let stderr = BufReader::new(running.0.stderr.take().unwrap());
+    let (send, lines) = channel();
+    std::thread::spawn(move || {
+        for line in stderr.lines().map_while(Result::ok) {
+            let _ = send.send(line);
+        }
+    });
+    for _ in 0..2 {
+        let started = said(&lines, "Started near, process ");
+        let opened = said(&lines, "Dashboard near ");
+        let (_, url) = opened.rsplit_once("http://").unwrap();
+        let address = url.trim_end_matches('/');
+        let mut stream = TcpStream::connect(address).unwrap();
+        let request =
+            format!("GET /api/system HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut response = String::new();
+        stream.read_to_string(&mut response).unwrap();
+        assert!(response.contains("\"Worker\""), "{response}");
+        assert!(!response.contains("\"Other\""), "{response}");
+        let (_, id) = started.rsplit_once(' ').unwrap();
+        signal("-KILL", id);
+    }
 }
 
 #[test]
@@ -128,6 +236,38 @@ fn it_ends_its_processes_when_it_is_told_to_end() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("far, 0 restarts"), "{said}");
+}
+
+#[test]
+fn its_processes_end_in_order_when_it_is_killed() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = up(folder.path(), &["--host", "desk", "--bus", &vhost.url()]);
+    let mut running = command.spawn().unwrap();
+    let stderr = BufReader::new(running.stderr.take().unwrap());
+    let started = stderr
+        .lines()
+        .map_while(Result::ok)
+        .find_map(|line| Some(line.split_once("Started near, process ")?.1.to_owned()));
+    let process = started.expect("a process");
+    let queue = "robots.services.workers.control.near";
+    crate::processes::queues(&vhost, queue);
+    running.kill().unwrap();
+    running.wait().unwrap();
+    let until = Instant::now() + LONG;
+    let is_there = || Path::new("/proc").join(&process).exists();
+    while is_there() {
+        assert!(Instant::now() < until, "process {process} runs on");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // a second one can start at once
+    let mut command = up(folder.path(), &["--host", "desk", "--bus", &vhost.url()]);
+    let again = Supervised(command.spawn().unwrap());
+    crate::processes::queues(&vhost, queue);
+    drop(again);
 }
 
 /// `asmotion up` of a test that may fail: told to end, so that it ends its processes.
@@ -182,7 +322,8 @@ fn a_component_that_fails_is_isolated_or_reset_or_ends_its_process_as_the_compos
             }
         });
         for _ in 0..faults {
-            said(&lines, "fault of Maps");
+            let line = said(&lines, "fault of Maps");
+            assert!(line.starts_with("near | "), "{line}");
         }
         if ends {
             said(&lines, "restart 1");
@@ -225,4 +366,8 @@ fn a_machine_without_processes_and_processes_without_a_broker_are_told() {
     );
     let said = refused(&["--host", "desk"]);
     assert!(said.contains("communicate over a broker"), "{said}");
+    assert!(
+        said.contains("with `asmotion run`") && !said.contains("--process"),
+        "{said}"
+    );
 }

@@ -129,6 +129,18 @@ impl Specification {
         Ok(added)
     }
 
+    /// Makes the functions of a standard library without definitions, such as the operators of `CTLLibrary`, visible to terms that are
+    /// added, as if the specification imported it. Returns `false` if the specification has others of the same names.
+    pub fn offer_library(&mut self, name: &str) -> bool {
+        let Some(library) = asmotion_stdlib::library(name) else {
+            return false;
+        };
+        let file = self.sources.add(&format!("<{name}>"), library.text);
+        let read = asmotion_syntax::parse_library(file, library.text);
+        let parsed = read.unwrap_or_else(|| asmotion_syntax::parse(file, library.text));
+        self.model.offer_library(&parsed.file)
+    }
+
     /// Lowers the model again, after additions to it. Coverage counters stay enabled. A machine
     /// continues with the new program by [`Machine::replace_program`].
     ///

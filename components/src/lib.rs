@@ -39,6 +39,7 @@ pub const COMPONENTS: &[(&str, MakeComponent)] = catalogue! {
     "nav::sim::RoverDriver" => asmotion_rover::RoverDriver;
     "nav::sim::LaserDriver" => asmotion_laser::LaserDriver;
     "nav::sim::World" => asmotion_world::World;
+    "nav::sim::Traffic" => asmotion_world::Traffic;
     "nav::CollisionMonitor" => asmotion_collision_monitor::CollisionMonitor;
     "youbot::DummyDriver" => asmotion_youbot::DummyDriver;
     "youbot::Kinematics" => asmotion_youbot::Kinematics;

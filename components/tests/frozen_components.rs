@@ -115,7 +115,7 @@ fn a_missing_an_unknown_and_a_repeated_field_are_refused_by_name() {
         (with("next", vec![]), "expected the field `next` once"),
         (
             with("", vec![("next".into(), Datum::Int(1))]),
-            "expected the field `next` once",
+            "the field `next` occurs twice",
         ),
         (
             with("", vec![("nest".into(), Datum::Null)]),

@@ -132,12 +132,7 @@ impl SpecsMission {
             let found = opened.report.diagnostics.iter().map(|it| &it.message);
             panic!("{}: {:?}", self.composite, found.collect::<Vec<_>>())
         });
-        let mut workshop = Standard {
-            catalogue: &BUILD,
-            loader: &Specs,
-            coordinators: CoordinatorOptions::seeded(self.seed),
-            builtins: &mut |_, _| None,
-        };
+        let mut workshop = Standard::new(&BUILD, &Specs, CoordinatorOptions::seeded(self.seed));
         let mut system = asmotion_assembly::start(plan, &mut workshop).unwrap();
         let lines = Lines::default();
         system.observe(note(&lines));
@@ -302,10 +297,10 @@ fn changed(frozen: &FrozenSystem, change: impl Fn(&mut Vec<(String, Datum)>)) ->
 fn a_state_of_another_version_is_refused() {
     let (mut run, _) = COURIER.advanced(10);
     let own = run.freeze().unwrap();
-    let newer = changed(&own, |entries| entries[0].1 = Datum::Int(3));
+    let newer = changed(&own, |entries| entries[0].1 = Datum::Int(4));
     assert_eq!(
         run.thaw(&newer).unwrap_err().to_string(),
-        "the frozen system has layout 3, and this build has layout 2"
+        "the frozen system has layout 4, and this build has layout 3"
     );
     assert_eq!(run.freeze().unwrap(), own);
 }

@@ -8,8 +8,8 @@ use asmotion_components::COMPONENTS;
 use asmotion_datum::{Datum, Message};
 use asmotion_messages::{
     Bool, Disc, Encoders, Event, Float64, Header, JointCommand, JointStatus, LaserScan,
-    MapMetaData, Obstacles, OccupancyGrid, Odometry, Path, Polygon, Pose, PoseStamped, Scene,
-    Segment, Twist, Vertex, WheelSpeeds,
+    MapMetaData, Obstacles, OccupancyGrid, Odometry, Path, Polygon, Pose, PoseStamped, RoverDisc,
+    RoverDiscs, Scene, Segment, Twist, Vertex, WheelSpeeds,
 };
 use asmotion_runtime::{Event as RunEvent, PortWriter, Run, Simulation, System};
 
@@ -18,6 +18,18 @@ const HOSTILE: [f64; 5] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1
 
 /// Number of good messages before, and after, the hostile ones.
 const STEPS: usize = 4;
+
+/// Another rover of the world, far away.
+fn other_rover() -> RoverDisc {
+    RoverDisc {
+        rover: "other".to_owned(),
+        disc: Disc {
+            x: 9.0,
+            y: 9.0,
+            radius: 0.3,
+        },
+    }
+}
 
 /// The n-th good message of a type; `None` for a type that this table lacks.
 fn good(name: &str, n: usize) -> Option<Datum> {
@@ -92,6 +104,10 @@ fn good(name: &str, n: usize) -> Option<Datum> {
         PoseStamped::NAME => Datum::of(&PoseStamped {
             header,
             pose: Pose::planar(x, 0.0, 0.1),
+        }),
+        RoverDisc::NAME => Datum::of(&other_rover()),
+        RoverDiscs::NAME => Datum::of(&RoverDiscs {
+            rovers: vec![other_rover()],
         }),
         Scene::NAME => {
             let corners = [(3.0, -1.0), (4.0, -1.0), (4.0, 1.0)];

@@ -16,3 +16,4 @@ mod frozen_systems;
 mod hostile_inputs;
 mod orders;
 mod reference;
+mod traffic;

@@ -58,12 +58,7 @@ fn navigation() -> (System, Orders) {
     };
     let path = path.canonicalize().unwrap().display().to_string();
     let opened = asmotion_plan::open(&path, &context);
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: &Specs,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, &Specs, CoordinatorOptions::seeded(1));
     let plan = opened.plan(None).unwrap();
     let mut system = asmotion_assembly::start(plan, &mut workshop).unwrap();
     let orders = Orders::default();

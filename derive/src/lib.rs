@@ -28,8 +28,9 @@ pub fn properties(input: TokenStream) -> TokenStream {
 /// described by its doc comment. The port has the field's name unless `#[port(name = "…")]` gives
 /// another.
 ///
-/// `#[port(optional)]` marks a reference that may stay unconnected. `#[port(safe)]` marks an output to which
-/// the engine writes the default of its type after the component's last cycle.
+/// `#[port(optional)]` marks an input or a reference that may stay unconnected. `#[port(safe)]` marks an output to which
+/// the engine writes the default of its type after the component's last cycle. `#[port(command)]` marks an input
+/// whose samples are discarded when the component starts, if they arrived before.
 #[proc_macro_derive(Ports, attributes(port))]
 pub fn ports(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), ports::derive)
@@ -140,20 +141,20 @@ mod tests {
     }
 
     #[test]
-    fn a_port_is_one_of_four_handles_and_only_a_reference_is_optional() {
+    fn a_port_is_one_of_four_handles_and_no_output_is_optional() {
         let input = parse_quote! {
             struct Wrong {
                 /// A number.
                 count: u32,
-                /// An input.
+                /// An output.
                 #[port(optional)]
-                path: In<Path>,
+                path: Out<Path>,
             }
         };
         let refusal = refusal(ports::derive, &input);
         assert!(refusal.starts_with("a port is an `In<T>`"), "{refusal}");
         assert!(
-            refusal.ends_with("an output may be `safe`, and a reference `optional`"),
+            refusal.ends_with("an output `safe`, and a reference `optional`"),
             "{refusal}"
         );
     }

@@ -20,6 +20,8 @@ struct PortField<'a> {
     optional: bool,
     /// The output has a safe sample, the default of its type.
     safe: bool,
+    /// The samples of the input are commands.
+    command: bool,
 }
 
 pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
@@ -53,18 +55,21 @@ impl<'a> PortField<'a> {
             renamed: None,
             optional: false,
             safe: false,
+            command: false,
         };
         for attribute in &field.attrs {
             if attribute.path().is_ident("port") {
                 attribute.parse_nested_meta(|meta| {
                     if meta.path.is_ident("name") {
                         port.renamed = Some(meta.value()?.parse()?);
-                    } else if meta.path.is_ident("optional") && handle == "Required" {
+                    } else if meta.path.is_ident("optional") && (handle == "Required" || handle == "In") {
                         port.optional = true;
                     } else if meta.path.is_ident("safe") && handle == "Out" {
                         port.safe = true;
+                    } else if meta.path.is_ident("command") && handle == "In" {
+                        port.command = true;
                     } else {
-                        let known = "a port has `name`, an output may be `safe`, and a reference `optional`";
+                        let known = "a port has `name`, an input may be a `command` or `optional`, an output `safe`, and a reference `optional`";
                         return Err(meta.error(known));
                     }
                     Ok(())
@@ -79,7 +84,23 @@ impl<'a> PortField<'a> {
         let renamed = self.renamed.as_ref().map(LitStr::value);
         let name = renamed.unwrap_or_else(|| plain(self.name));
         let doc = documentation(self.field)?;
-        Ok(if *handle == "In" {
+        Ok(if self.command && self.optional {
+            quote!({
+                let input = interface.input::<#of>(#name, #doc);
+                let input = interface.command(input);
+                interface.optional_input(input)
+            })
+        } else if self.command {
+            quote!({
+                let input = interface.input::<#of>(#name, #doc);
+                interface.command(input)
+            })
+        } else if *handle == "In" && self.optional {
+            quote!({
+                let input = interface.input::<#of>(#name, #doc);
+                interface.optional_input(input)
+            })
+        } else if *handle == "In" {
             quote!(interface.input::<#of>(#name, #doc))
         } else if self.safe {
             quote!({

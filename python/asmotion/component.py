@@ -62,19 +62,23 @@ class _Port(Declared):
 
 
 class In(_Port, Generic[T]):
-    """Declares an input port. The type is a message class, or the name of a type that the engine knows."""
+    """Declares an input port. The type is a message class, or the name of a type that the engine knows.
+
+    The samples of a `command` are discarded if they arrive before the component starts, so that no old command is carried out.
+    """
 
     kind = "input"
     way_out = "it is read with `.read()`"
 
     @overload
-    def __init__(self: In[Record], type: str, doc: str = "", *, name: str | None = None) -> None: ...
+    def __init__(self: In[Record], type: str, doc: str = "", *, command: bool = False, name: str | None = None) -> None: ...
 
     @overload
-    def __init__(self, type: type[T], doc: str = "", *, name: str | None = None) -> None: ...
+    def __init__(self, type: type[T], doc: str = "", *, command: bool = False, name: str | None = None) -> None: ...
 
-    def __init__(self, type: Any, doc: str = "", *, name: str | None = None) -> None:
+    def __init__(self, type: Any, doc: str = "", *, command: bool = False, name: str | None = None) -> None:
         super().__init__(type, doc, name)
+        self.command = command
 
     @overload
     def __get__(self, instance: None, owner: type) -> In[T]: ...
@@ -743,7 +747,7 @@ class Declaration:
             "type": "declare",
             "protocol": 1,
             "implementation": self.implementation,
-            "inputs": [_port(item) for item in self.inputs.values()],
+            "inputs": [_port(item) | _command(item) for item in self.inputs.values()],
             "outputs": [_port(item) | _safe(item) for item in self.outputs.values()],
             "services": [_service(item) for item in self.services.values()],
             "references": [_reference(item) for item in self.references.values()],
@@ -753,6 +757,10 @@ class Declaration:
 
 def _port(item: _Port) -> dict[str, Any]:
     return {"name": item.name, "schema": item.form().schema, "doc": item.doc}
+
+
+def _command(item: In[Any]) -> dict[str, Any]:
+    return {"command": True} if item.command else {}
 
 
 def _safe(item: Out[Any]) -> dict[str, Any]:

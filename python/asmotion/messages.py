@@ -43,6 +43,8 @@ __all__ = [
     "PoseWithCovariance",
     "Quaternion",
     "RetrievingStatus",
+    "RoverDisc",
+    "RoverDiscs",
     "Scene",
     "Segment",
     "SendingCommands",
@@ -359,6 +361,24 @@ class Polygon:
     vertices: Annotated[
         list[Vertex],
         "Corners in order, in either orientation; the last is connected to the first.",
+    ] = field(default_factory=list)
+
+
+@asmotion.message("world/RoverDisc")
+class RoverDisc:
+    """The message `world/RoverDisc`."""
+
+    rover: Annotated[str, "Name of the rover among those of its world."] = ""
+    disc: Annotated[Disc, "Disc that covers the rover."] = field(default_factory=Disc)
+
+
+@asmotion.message("world/RoverDiscs")
+class RoverDiscs:
+    """The message `world/RoverDiscs`."""
+
+    rovers: Annotated[
+        list[RoverDisc],
+        "One for each rover, in the order of their names.",
     ] = field(default_factory=list)
 
 

@@ -306,6 +306,15 @@ class Mistakes(unittest.TestCase):
         declared("reference `Odd.helper` has no operation", helper=asmotion.Reference("acme/Doubling"))
         declared("the input `goal` twice", a=asmotion.In(Number, name="goal"), b=asmotion.In(Number, name="goal"))
 
+    def test_an_input_for_commands_says_so(self):
+        class Driven(asmotion.Component):
+            goal = asmotion.In(Number, "where to go", command=True)
+            map = asmotion.In(Number, "where it is free")
+
+        goal, map = Driven.declaration().data()["inputs"]
+        self.assertIs(goal["command"], True)
+        self.assertNotIn("command", map)
+
     def test_a_service_agrees_with_its_interface(self):
         def declared(text, **methods):
             body = {"work": asmotion.Service(Doubling)}

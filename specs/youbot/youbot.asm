@@ -16,12 +16,13 @@ signature:
 	monitored stale: Boolean
 	// no driver has received the commands
 	monitored unsent: Boolean
+	// true for the step with a goal; the call that it makes goes on
 	out solve: Boolean
 	out notify: Note
 	controlled mode: Mode
 	// a request arrived that could not be served immediately
 	controlled waiting: Boolean
-	// true while the arm moves: an update to false cancels the call if it is not answered yet, as it may be on a busy machine
+	// true while the arm moves; the composite cancels a call that is not answered when it becomes false
 	out writeCommands: Boolean
 	// no motion can start: a fault of the arm persists, or its status is stale
 	derived blocked: Boolean

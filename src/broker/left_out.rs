@@ -40,6 +40,7 @@ pub fn connect(
     settings: &AmqpSettings,
     _: &str,
     _: Option<&str>,
+    _: std::time::Duration,
 ) -> (String, Result<Arc<dyn Bus>, BusError>) {
     match *settings {}
 }

@@ -104,7 +104,7 @@ pub fn robot(settings: &AmqpSettings) -> Option<&str> {
     settings.robot.as_deref()
 }
 
-/// Connects to a broker for a process of a robot. Returns the broker's address and the bus.
+/// Connects to a broker for a process of a robot, within a limit of time. Returns the broker's address and the bus.
 ///
 /// # Errors
 /// Fails if the broker is unreachable or refuses the credentials.
@@ -112,6 +112,7 @@ pub fn connect(
     settings: &AmqpSettings,
     robot: &str,
     process: Option<&str>,
+    limit: Duration,
 ) -> (String, Result<Arc<dyn Bus>, BusError>) {
     let mut settings = settings.clone();
     settings.robot.get_or_insert_with(|| robot.to_owned());
@@ -120,7 +121,7 @@ pub fn connect(
         process.clone_into(&mut settings.process);
     }
     let location = settings.location();
-    let bus = AmqpBus::connect(settings, CONNECT);
+    let bus = AmqpBus::connect(settings, limit);
     (location, bus.map(|bus| Arc::new(bus) as Arc<dyn Bus>))
 }
 

@@ -10,7 +10,7 @@ use super::tool::Tool;
 use crate::build::Build;
 use crate::exit::Exit;
 use crate::files::DiskLoader;
-use crate::paths::{FileKind, named_files};
+use crate::paths::{FileKind, NamedFile, named_files};
 use crate::terminal::{TerminalOutput, count};
 use asmotion_diagnostics::Applicability;
 use asmotion_lang::{Diagnostic, ReadOptions, Report, Sources};
@@ -18,13 +18,14 @@ use clap::{Args, ValueEnum};
 use findings::findings;
 use fix::FixedFile;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Checks specifications, scenarios and composites without running them.
 #[derive(Args)]
 pub struct Check {
     /// Specifications (`.asm`), scenarios (`.avalla`, `.env.toml`), composites and message types (`.toml`), and folders that
-    /// contain specifications, scenarios and composites (`.composite.toml`)
+    /// contain specifications, scenarios and composites (`.composite.toml`); `-` is standard input
     #[arg(value_name = "PATH", required_unless_present = "explain")]
     paths: Vec<PathBuf>,
 
@@ -93,8 +94,27 @@ struct CheckSummary {
     report: Report,
     findings: Vec<Value>,
     fixed: Vec<Value>,
+    /// The findings so far, as JSON.
+    seen: BTreeSet<String>,
     /// The most severe exit code so far.
     exit: Exit,
+}
+
+impl CheckSummary {
+    /// Returns the findings that no earlier file has: a specification is checked alone and as part of composites.
+    fn unseen(&mut self, report: Report, sources: &Sources) -> Report {
+        let mut unseen = Report::new();
+        let mut all = Vec::new();
+        for finding in report.diagnostics {
+            let content = json::finding(&finding, sources).to_string();
+            if !self.seen.contains(&content) {
+                unseen.push(finding);
+            }
+            all.push(content);
+        }
+        self.seen.extend(all);
+        unseen
+    }
 }
 
 impl Check {
@@ -114,7 +134,13 @@ impl Check {
                 return Exit::Usage;
             }
         };
-        let files: Vec<String> = named.iter().map(|file| file.text()).collect();
+        if self.fix && !self.diff && named.iter().any(NamedFile::is_standard_input) {
+            terminal.error(
+                "`--fix` rewrites files; for standard input, `--fix --diff` prints the changes",
+            );
+            return Exit::Usage;
+        }
+        let files: Vec<String> = named.iter().map(NamedFile::text).collect();
         let mut summary = CheckSummary {
             files: files.clone(),
             ..CheckSummary::default()
@@ -128,12 +154,13 @@ impl Check {
                 // a file that cannot be read is reported like any other finding
                 Some(Err(_)) | None => findings(build, path, &options, &DiskLoader),
             };
+            if report.has_errors() {
+                summary.exit = summary.exit.max(Exit::refused(path));
+            }
+            let report = summary.unseen(report, &sources);
             self.show(&report, &sources, &mut summary, terminal);
             if self.connections {
                 connections::show(build, path, terminal);
-            }
-            if report.has_errors() {
-                summary.exit = summary.exit.max(Exit::refused(path));
             }
             summary.report.extend(report);
         }

@@ -12,8 +12,8 @@ use crate::exit::Exit;
 use crate::inspection;
 use crate::table;
 use crate::terminal::{NAME, TerminalOutput};
-use asmotion_component::Transition;
-use asmotion_datum::Datum;
+use asmotion_component::{ThreadUse, Transition};
+use asmotion_datum::{Datum, Word};
 use asmotion_remote::{PresentComponent, PresentEndpoint, Remote, RemoteComponent};
 use clap::{Args, Subcommand};
 use std::error::Error;
@@ -110,7 +110,12 @@ impl ComponentCommand {
             } => return Ok(offers(remote, &interface, terminal)),
             Self::Info { name, json: false } => {
                 let component = remote.component(&name)?;
-                show(&component, component.present(), terminal);
+                let mut present = component.present().clone();
+                if present.properties.is_empty() {
+                    // it was in the middle of a cycle
+                    present.properties = component.properties().unwrap_or_default();
+                }
+                show(&component, &present, terminal);
             }
             Self::Info { name, json: true } => {
                 let declared = Datum::of(&remote.component(&name)?.declaration()?)?;
@@ -188,6 +193,15 @@ fn offers(remote: &Remote, interface: &str, terminal: &mut TerminalOutput) -> Ex
     Exit::Ok
 }
 
+/// The thread of a component in real time.
+fn thread(component: &PresentComponent) -> Option<&'static str> {
+    let thread = ThreadUse::of_word(&component.thread)?;
+    Some(match thread {
+        ThreadUse::Own => "its own",
+        ThreadUse::Shared => "an executor thread, shared with other components",
+    })
+}
+
 pub(super) fn show(
     remote_component: &RemoteComponent,
     component: &PresentComponent,
@@ -217,9 +231,12 @@ pub(super) fn show(
         "  cycle time  {:.2} ms on average, {:.2} ms at most{period}",
         component.cycle_mean_ms, component.cycle_max_ms
     ));
+    if let Some(thread) = thread(component) {
+        terminal.result(format_args!("  thread      {thread}"));
+    }
     if component.dropped + component.misfits > 0 {
         terminal.result(format_args!(
-            "  lost        {} messages dropped, {} unsuitable",
+            "  lost        {} messages or requests dropped, {} unsuitable",
             component.dropped, component.misfits
         ));
     }
@@ -238,6 +255,12 @@ pub(super) fn show(
     typed("output", &component.outputs);
     typed("reference", &component.references);
     for service in &component.services {
+        if service.refused > 0 {
+            terminal.result(format_args!(
+                "  service     {}.{}: {} requests refused because its queue was full",
+                component.name, service.name, service.refused
+            ));
+        }
         for operation in &service.operations {
             let also = if operation.while_stopped {
                 " (also while stopped)"

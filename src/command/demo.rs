@@ -121,7 +121,7 @@ impl Demo {
             8.0
         };
         mission.clock = virtual_clock(self.speed.unwrap_or(usual))?;
-        mission.dashboard = self.common.dashboard(self.open)?;
+        mission.dashboard = self.common.dashboard(None, self.open)?;
         Ok(())
     }
 }

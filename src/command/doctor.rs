@@ -30,9 +30,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Time in which every process publishes its presence twice.
 const PRESENCE_WAIT: Duration = Duration::from_millis(2200);
 
-/// Difference between two clocks that is reported; synchronised clocks differ by some milliseconds.
-const CLOCK_TOLERANCE: Duration = Duration::from_millis(500);
-
 /// Name of the topic and the service used by the tests.
 const TRIED: &str = "asmotion.doctor";
 
@@ -236,14 +233,16 @@ fn check_service(bus: &AmqpBus, settings: &AmqpSettings) -> Result<(), Diagnosis
 fn check_clocks(bus: &AmqpBus, settings: &AmqpSettings) -> Result<usize, Diagnosis> {
     let offsets = asmotion_remote::clock_offsets(bus, PRESENCE_WAIT)
         .map_err(|error| missing_permission("cannot read a topic", &error.to_string(), settings))?;
-    let wrong = offsets.iter().filter(|it| it.is_beyond(CLOCK_TOLERANCE));
+    let wrong = offsets
+        .iter()
+        .filter(|it| it.is_beyond(asmotion_remote::CLOCK_TOLERANCE));
     let wrong: Vec<String> = wrong.map(ToString::to_string).collect();
     if wrong.is_empty() {
         return Ok(offsets.len());
     }
     Err(Diagnosis::new(
         wrong.join("; "),
-        "synchronise the clocks of all machines, with chrony or systemd-timesyncd: `timedatectl` shows whether they are;\nages and deadlines of messages between them are wrong by the difference",
+        asmotion_remote::CLOCK_REMEDY,
     ))
 }
 

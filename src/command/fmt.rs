@@ -2,13 +2,12 @@
 
 use crate::diff;
 use crate::exit::Exit;
-use crate::files::{self, DiskLoader};
+use crate::files::{self, DiskLoader, STANDARD_INPUT};
 use crate::paths::{FileKind, PathError, named_files};
 use crate::terminal::TerminalOutput;
 use asmotion_diagnostics::LoadError;
 use asmotion_lang::{Loader, Report, Sources, syntax};
 use clap::Args;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -66,7 +65,9 @@ impl Fmt {
     }
 
     fn format_file(&self, path: &str, summary: &mut FmtSummary, terminal: &mut TerminalOutput) {
-        if path.ends_with(".toml") {
+        let kind = FileKind::of(Path::new(path));
+        let is_toml = matches!(kind, Some(FileKind::Composite | FileKind::Mission));
+        if is_toml || path.ends_with(".toml") {
             terminal.error(format_args!(
                 "cannot format `{path}`: `fmt` formats specifications (`.asm`) and scenarios (`.avalla`)"
             ));
@@ -90,7 +91,7 @@ impl Fmt {
             }
         };
         let changes = *before != *after;
-        if path == "-" && !self.check && !self.diff {
+        if path == STANDARD_INPUT && !self.check && !self.diff {
             terminal.result(after.trim_end_matches('\n'));
         } else if changes && let Err(error) = self.change(path, &before, &after, terminal) {
             terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
@@ -134,7 +135,7 @@ impl Fmt {
             format!("{} left as they are", summary.unchanged),
         ];
         if summary.failed > 0 {
-            parts.push(format!("{} missing or not writable", summary.failed));
+            parts.push(format!("{} not readable or not writable", summary.failed));
         }
         if summary.unparsable > 0 {
             parts.push(format!("{} with errors left unchanged", summary.unparsable));
@@ -163,26 +164,44 @@ fn files_at(path: &Path) -> Result<Vec<String>, PathError> {
 }
 
 fn read(path: &str) -> Result<Arc<str>, LoadError> {
-    if path != "-" {
-        return DiskLoader.read(path);
+    let failed = |error: std::io::Error| LoadError {
+        path: path.to_owned(),
+        reason: files::reason(&error),
+    };
+    let text = DiskLoader.read(path)?;
+    if !text.contains(char::REPLACEMENT_CHARACTER) {
+        return Ok(text);
     }
-    let mut text = String::new();
-    match std::io::stdin().read_to_string(&mut text) {
-        Ok(_) => Ok(text.into()),
-        Err(error) => Err(LoadError {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        }),
-    }
+    let bytes = if path == STANDARD_INPUT {
+        files::standard_input()?.to_owned()
+    } else {
+        std::fs::read(path).map_err(failed)?
+    };
+    // a check reads such a text as far as possible, but it cannot be written again without losses
+    utf8(path, bytes).map(Arc::from)
+}
+
+/// Returns a text, or the place of its first byte that is not UTF-8.
+fn utf8(path: &str, bytes: Vec<u8>) -> Result<String, LoadError> {
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let bytes = error.as_bytes();
+        let before = String::from_utf8_lossy(bytes.get(..valid).unwrap_or_default());
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+        let byte = bytes.get(valid).copied().unwrap_or_default();
+        let reason = format!(
+            "line {line}, column {column}: the byte 0x{byte:02X} is not UTF-8; if the text is Latin-1, `iconv -f ISO-8859-1 -t UTF-8` converts it"
+        );
+        let path = path.to_owned();
+        LoadError { path, reason }
+    })
 }
 
 fn formatted(path: &str, text: &Arc<str>) -> Result<String, (Report, Sources)> {
     let mut sources = Sources::new();
     let file = sources.add(path, text.clone());
-    let is_scenario = match path {
-        "-" => syntax::begins_scenario(text),
-        path => path.ends_with(".avalla"),
-    };
+    let is_scenario = FileKind::of(Path::new(path)) == Some(FileKind::Scenario);
     let formatted = if is_scenario {
         syntax::format_scenario(file, text)
     } else {

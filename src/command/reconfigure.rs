@@ -11,6 +11,7 @@ use asmotion_datum::Datum;
 use asmotion_plan::beside;
 use asmotion_remote::{Remote, RemoteError, RobotPresence};
 use clap::Args;
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 /// Applies the composite's current version to the running system without a restart: in all its processes or in none.
@@ -50,6 +51,8 @@ impl Reconfigure {
         // the running processes know the components of other robots, and refuse those that they have not asked
         report.diagnostics.retain(|it| it.code.name != "C159");
         terminal.report(&report, &opened.sources);
+        let planned = opened.processes();
+        let planned: BTreeSet<String> = planned.into_iter().map(str::to_owned).collect();
         let Some(composite) = opened.composite.filter(|_| !opened.report.has_errors()) else {
             return Exit::refused(&self.composite);
         };
@@ -63,6 +66,7 @@ impl Reconfigure {
                 .collect(),
             only_try: true,
         };
+        let version = (version, planned);
         let result = self
             .broker
             .remote(build)
@@ -73,19 +77,25 @@ impl Reconfigure {
         })
     }
 
-    /// Asks every process whether it can apply the version, then tells all of them to do so.
+    /// Asks every process whether it can apply the version, then tells all of them to do so. `planned` are the processes of
+    /// the composite.
     fn change(
         &self,
         remote: &Remote,
         name: &str,
-        version: CompositeVersion,
+        (version, planned): (CompositeVersion, BTreeSet<String>),
         terminal: &mut TerminalOutput,
     ) -> Result<Exit, String> {
-        let processes = remote.processes().into_iter();
-        let processes: Vec<RobotPresence> = processes
-            .filter(|it| it.presence.composite == name)
-            .filter(|it| self.robot.as_ref().is_none_or(|robot| *robot == it.robot))
-            .collect();
+        let is_of = |it: &RobotPresence| {
+            let is_robot = self.robot.as_ref().is_none_or(|robot| *robot == it.robot);
+            is_robot && it.presence.composite == name
+        };
+        // a process whose presence is late would keep the old version while the others change
+        let mut processes = remote.processes_until(|found| {
+            let running = found.iter().filter(|it| is_of(it));
+            absent(running, planned.clone()).is_empty()
+        });
+        processes.retain(is_of);
         match &*processes {
             [] => return Err(format!("no process of `{name}` is running")),
             [first, others @ ..] if others.iter().any(|it| it.robot != first.robot) => {
@@ -94,6 +104,11 @@ impl Reconfigure {
                 ));
             }
             [_, ..] => {}
+        }
+        for absent in absent(&processes, planned) {
+            terminal.warn(format_args!(
+                "`{absent}` does not run: it begins with the version in the file with which it is started"
+            ));
         }
         let request_all = |version: &CompositeVersion| -> Vec<Result<Vec<String>, RemoteError>> {
             let threads = processes
@@ -113,6 +128,19 @@ impl Reconfigure {
         terminal.status("Unchanged", format_args!("`{name}` runs unchanged"));
         Ok(exit)
     }
+}
+
+/// The planned processes that do not run, unless one process runs all components.
+fn absent<'a>(
+    running: impl IntoIterator<Item = &'a RobotPresence>,
+    mut planned: BTreeSet<String>,
+) -> BTreeSet<String> {
+    for process in running {
+        if !planned.remove(&process.presence.process) {
+            return BTreeSet::new();
+        }
+    }
+    planned
 }
 
 /// Asks one process to check or apply a version; returns the list of changes.

@@ -30,6 +30,7 @@ use crate::mission::{
 };
 use crate::output_files::{OutputArguments, OutputFiles};
 use crate::paths::composite_file;
+use crate::supervisor::end_with;
 use crate::terminal::{TerminalOutput, never_wait, print_progress, print_result};
 use crate::transport::BrokerAccess;
 use dashboard::DashboardArguments;
@@ -79,6 +80,10 @@ pub struct Run {
     #[arg(long, value_name = "NAME")]
     process: Option<String>,
 
+    /// Process id of the `asmotion up` that started this process, which ends with it
+    #[arg(long, hide = true)]
+    supervisor: Option<i32>,
+
     #[command(flatten)]
     common: MissionArguments,
 
@@ -87,7 +92,8 @@ pub struct Run {
     #[arg(long, value_name = "LOCATION=VALUE")]
     until: Vec<String>,
 
-    /// Ends the run as failed when a location has a value [default: mode=FAILED]
+    /// Ends the run as failed when a location has a value, of several components with one specification once each has succeeded or
+    /// failed [default: mode=FAILED]
     #[arg(long, value_name = "LOCATION=VALUE")]
     unless: Vec<String>,
 }
@@ -137,6 +143,9 @@ pub struct MissionArguments {
     pub top: bool,
 }
 
+/// Time for which a supervised process waits for its broker, which may be started with the machine, too.
+const BROKER_PATIENCE: Duration = Duration::from_secs(300);
+
 impl Run {
     pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         if self.composite.ends_with(".asm") {
@@ -162,11 +171,17 @@ impl Run {
     }
 
     fn mission(&self, build: &Build) -> Result<Mission, String> {
+        if let Some(supervisor) = self.supervisor {
+            end_with(supervisor)?;
+        }
         let mut mission = Mission::with_build(build, &self.composite);
+        if self.supervisor.is_some() {
+            mission.broker_patience = BROKER_PATIENCE;
+        }
         mission.profile = self.profile.clone();
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
-        mission.dashboard = self.common.dashboard(false)?;
+        mission.dashboard = self.common.dashboard(self.process.as_deref(), false)?;
         mission.recording = self.common.books.recording(true);
         mission.brokers = self.brokers(&mission)?;
         self.common.enable_spectators(&mut mission);
@@ -321,7 +336,13 @@ impl MissionArguments {
         let running = format!("{title}, {clock}, seed {}", mission.seed);
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
-        let output_files = Arc::new(Mutex::new(self.books.open()));
+        let output_files = match self.books.open() {
+            Ok(files) => Arc::new(Mutex::new(files)),
+            Err(problem) => {
+                terminal.error(problem);
+                return Exit::Usage;
+            }
+        };
         let listener = self.listener(output_files.clone());
         let result = match spectator(self.top, mission) {
             Ok(None) => {
@@ -370,8 +391,14 @@ impl MissionArguments {
                 return Exit::Findings;
             }
             Err(error) => {
+                let may_improve = error.may_improve() && !mission.broker_patience.is_zero();
                 terminal.error(error);
-                return Exit::Usage;
+                // a supervisor starts the process again
+                return if may_improve {
+                    Exit::Findings
+                } else {
+                    Exit::Usage
+                };
             }
         };
         match lock(&output_files).close() {
@@ -417,10 +444,14 @@ impl MissionArguments {
         }
     }
 
-    /// The dashboard of the run. `opens_browser` opens it in a browser.
-    pub fn dashboard(&self, opens_browser: bool) -> Result<MissionDashboard, String> {
+    /// The dashboard of the run, as the process with this name if it is one of several. `opens_browser` opens it in a browser.
+    pub fn dashboard(
+        &self,
+        process: Option<&str>,
+        opens_browser: bool,
+    ) -> Result<MissionDashboard, String> {
         let output = (self.quiet, self.json);
-        self.dashboard.dashboard(output, opens_browser)
+        self.dashboard.dashboard(process, output, opens_browser)
     }
 
     fn apply(&self, mission: &mut Mission) -> Result<(), String> {

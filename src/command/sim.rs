@@ -21,7 +21,7 @@ use std::path::PathBuf;
 /// Simulates a specification with scripted, recorded or random inputs.
 #[derive(Args)]
 pub struct Sim {
-    /// Specifications, and folders to simulate all their specifications
+    /// Specifications, and folders to simulate all their specifications; `-` is standard input
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
 

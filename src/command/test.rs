@@ -34,7 +34,8 @@ use std::time::Instant;
 /// 2 if some cannot be run.
 #[derive(Args)]
 pub struct Test {
-    /// Scenarios, missions, specifications and composites that have some beside them, and folders
+    /// Scenarios, missions, specifications and composites that have some beside them, and folders; `-` reads a scenario from
+    /// standard input
     #[arg(value_name = "PATH", default_value = ".")]
     paths: Vec<PathBuf>,
 

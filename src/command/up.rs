@@ -1,8 +1,10 @@
 //! `asmotion up`: starts and supervises the processes of a composite on this machine.
 
+mod relay;
+
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -20,6 +22,7 @@ use crate::mission::MissionError;
 use crate::programs::{ProcessChoice, this_machine};
 use crate::terminal::{TerminalOutput, never_wait};
 use crate::transport::BrokerAccess;
+use relay::Relay;
 
 /// Starts the processes of a composite that belong to this machine, and restarts them as its `restart` prescribes.
 #[derive(Args)]
@@ -49,14 +52,22 @@ pub struct Up {
     /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`)
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
+
+    /// Shows each process in a web browser while it lasts, at a port of its own; prints the addresses
+    #[arg(long)]
+    dashboard: bool,
 }
 
+/// Exit code of a process that was started in a wrong way ([`Exit::Usage`]).
+const USAGE: i32 = 2;
 /// Interval at which child processes are polled.
 const LOOK: Duration = Duration::from_millis(50);
 /// Default wait before a process is restarted.
 const BACKOFF: Duration = Duration::from_millis(200);
 /// Time that child processes have to end after SIGTERM.
 const GRACE: Duration = Duration::from_secs(10);
+/// Time in which the last lines of an ended process are read.
+const LAST_LINES: Duration = Duration::from_secs(1);
 /// Time after which processes that lead out of the system end too, although others have not.
 const LEAD: Duration = Duration::from_secs(1);
 
@@ -100,11 +111,10 @@ impl Up {
         terminal: &mut TerminalOutput,
     ) -> Result<Vec<SupervisedProcess>, String> {
         if let ([process, _, ..], None, []) = (&*plan.processes, &self.bus, &*plan.brokers) {
-            let process = process.name.clone();
-            let has_variable = std::env::var_os("ASMOTION_BUS").is_some();
             let needs = MissionError::NeedsBroker {
-                process,
-                has_variable,
+                process: process.name.clone(),
+                has_variable: std::env::var_os("ASMOTION_BUS").is_some(),
+                is_supervised: true,
             };
             return Err(needs.to_string());
         }
@@ -123,13 +133,17 @@ impl Up {
             terminal.status("Left out", format_args!("{name}, which runs on `{host}`"));
         }
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
+        let width = mine.iter().map(|it| it.name.chars().count()).max();
         let keeper = |process: &Process| {
             let mut command = Command::new(&program);
             // Ctrl-C must reach only this process, which then stops the children once
             command.process_group(0);
             command.args(self.arguments(&process.name));
+            command.stdout(Stdio::piped()).stderr(Stdio::piped());
             SupervisedProcess {
                 name: process.name.clone(),
+                width: width.unwrap_or_default(),
+                relay: Relay::default(),
                 command,
                 leads_out: leads_out(plan, process),
                 restarts: Restarts::new(plan.restart.clone()),
@@ -144,6 +158,9 @@ impl Up {
         let mut arguments: Vec<OsString> = vec!["run".into(), (&self.composite).into()];
         let mut add = |key: &str, value: &str| arguments.extend([key.into(), value.into()]);
         add("--process", process);
+        add("--supervisor", &crate::supervisor::own_id());
+        // this process removes the colours where its own output has none
+        add("--color", "always");
         let optional = [
             ("--profile", &self.profile),
             ("--bus", &self.bus),
@@ -156,6 +173,7 @@ impl Up {
         }
         self.set.iter().for_each(|set| add("--set", set));
         arguments.extend(self.access.arguments());
+        arguments.extend(self.dashboard.then(|| "--dashboard".into()));
         arguments
     }
 }
@@ -181,11 +199,14 @@ fn leads_out(plan: &Plan, process: &Process) -> bool {
 /// A supervised process.
 struct SupervisedProcess {
     name: String,
+    /// Width of the longest name, in characters.
+    width: usize,
     command: Command,
     /// Passes on what other processes write, and ends after them.
     leads_out: bool,
     restarts: Restarts,
     state: SupervisedState,
+    relay: Relay,
 }
 
 /// State of a supervised process.
@@ -260,9 +281,10 @@ impl SupervisedProcess {
 
     fn start(&mut self, terminal: &mut TerminalOutput) {
         self.state = match self.command.spawn() {
-            Ok(child) => {
+            Ok(mut child) => {
                 let (name, id) = (&self.name, child.id());
                 terminal.status("Started", format_args!("{name}, process {id}"));
+                self.relay = Relay::start(name, self.width, &mut child);
                 SupervisedState::Running(child)
             }
             Err(error) => {
@@ -273,7 +295,16 @@ impl SupervisedProcess {
     }
 
     fn ended(&mut self, status: ExitStatus, now: Instant, terminal: &mut TerminalOutput) {
+        self.relay.finish(now + LAST_LINES);
         let (name, well) = (&self.name, status.success());
+        if status.code() == Some(USAGE) && self.restarts.follow_failures() {
+            terminal.error(format_args!(
+                "`{name}` ended ({status}) and is not restarted: exit code {USAGE} means that its arguments, its surroundings or the \
+                 composite are wrong, which a restart does not change; the reason is printed above"
+            ));
+            self.state = SupervisedState::Ended { success: false };
+            return;
+        }
         self.state = match self.restarts.next(well, now) {
             AfterExit::Restart(wait) => {
                 let count = self.restarts.total;
@@ -332,6 +363,7 @@ impl SupervisedProcess {
                 }
             }
         };
+        self.relay.finish(Instant::now() + LAST_LINES);
         let well = status.is_some_and(|status| status.success());
         self.state = SupervisedState::Ended { success: well };
     }
@@ -357,6 +389,13 @@ enum AfterExit {
 }
 
 impl Restarts {
+    /// Returns whether a failure is followed by a restart at all.
+    fn follow_failures(&self) -> bool {
+        self.rule
+            .as_ref()
+            .is_some_and(|rule| rule.policy != RestartPolicy::Never)
+    }
+
     fn new(rule: Option<Restart>) -> Self {
         Self {
             rule,

@@ -9,6 +9,7 @@ mod input_values;
 mod interrupt;
 mod itf;
 mod json;
+mod memory;
 mod mutants;
 mod options;
 mod progress;
@@ -24,6 +25,7 @@ mod words;
 use self::progress::ExplorationProgress;
 use crate::build::Build;
 use crate::exit::Exit;
+use crate::files::NotedFiles;
 use crate::paths::{FileKind, named_files, other_than_specification};
 use crate::terminal::{TerminalOutput, count};
 use asmotion_verify::{
@@ -33,6 +35,7 @@ use asmotion_verify::{
 use clap::Args;
 use composite::CompositeOptions;
 use engine::EngineOption;
+use memory::MemoryLimit;
 use search::SearchOptions;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -95,11 +98,11 @@ pub struct Verify {
     #[arg(long, value_name = "N")]
     states: Option<u64>,
 
-    /// Ends the exploration when states and transitions occupy this memory
-    #[arg(long, value_name = "MIB", default_value_t = 4096)]
-    memory: u64,
+    /// Ends the verification when states and transitions occupy this memory [default: half of the memory of the machine]
+    #[arg(long, value_name = "MIB")]
+    memory: Option<u64>,
 
-    /// Ends the exploration after this time
+    /// Ends the verification after this time
     #[arg(long, value_name = "SECONDS")]
     time: Option<f64>,
 
@@ -139,6 +142,10 @@ pub struct Verify {
     /// Prints a JSON object for each specification
     #[arg(long)]
     json: bool,
+
+    /// The files that were read
+    #[arg(skip)]
+    files: NotedFiles,
 }
 
 impl Verify {
@@ -276,6 +283,10 @@ impl Verify {
         }
     }
 
+    fn memory_limit(&self) -> MemoryLimit {
+        MemoryLimit::of(self.memory)
+    }
+
     /// Shows the result of a verification and writes the files that were requested.
     fn present(
         &self,
@@ -287,7 +298,7 @@ impl Verify {
         if self.json {
             terminal.result(json::verification(path, verification, time));
         } else {
-            show::text(path, verification, time, terminal);
+            show::text(path, verification, time, self.memory_limit(), terminal);
             if self.symmetry() && verification.symmetric.is_empty() {
                 show::without_symmetry(terminal);
             }

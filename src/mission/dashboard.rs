@@ -28,6 +28,8 @@ pub enum MissionDashboard {
         listen: Option<SocketAddr>,
         /// Whether a tab with the token can control the system.
         control: bool,
+        /// Pages of other servers that may read over the protocol of Foxglove, as origins.
+        allowed_origins: Vec<String>,
         /// Called with the address.
         on_open: DashboardCallback,
     },

@@ -64,14 +64,18 @@ fn specifications(plan: &Plan, part: &Part) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// Machines of the plan's specifications; errors of their initial states are reported at the start.
+/// Machines of the plan's specifications, each once; errors of their initial states are reported at the start.
 fn machines(plan: &Plan) -> Vec<(String, Machine)> {
-    let of = |component: &Component| {
-        let file = file(component)?;
+    let mut seen = BTreeSet::new();
+    let files = plan.components.iter().filter_map(file);
+    let of = |file: &str| {
         let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
         Some((file.to_owned(), specification.machine().ok()?))
     };
-    plan.components.iter().filter_map(of).collect()
+    files
+        .filter(|file| seen.insert(*file))
+        .filter_map(of)
+        .collect()
 }
 
 /// Watches for the end conditions.
@@ -83,6 +87,8 @@ pub(super) struct EndCondition {
     specifications: BTreeMap<String, String>,
     /// Components whose specifications have met a success condition.
     reached: BTreeSet<String>,
+    /// Components whose specifications have met a failure condition, and no success condition since.
+    failed: BTreeSet<String>,
     /// Components whose failure does not end the run.
     tolerated: BTreeSet<String>,
     /// Components that have been running.
@@ -124,16 +130,29 @@ impl EndCondition {
         !self.until.is_empty()
     }
 
-    /// Records that a component has met a success condition. Returns whether all components with its specification have: of
-    /// several robots, each has to reach its goal.
-    fn has_reached(&mut self, component: &str) -> bool {
-        self.reached.insert(component.to_owned());
+    /// Records that a component has met a success or a failure condition. Returns the outcome once all components with its
+    /// specification have met one: of several robots, each has to reach its goal, or to give up.
+    fn has_ended(&mut self, component: &str, outcome: MissionOutcome) -> Option<MissionOutcome> {
+        let (into, other) = if outcome == MissionOutcome::Reached {
+            (&mut self.reached, &mut self.failed)
+        } else {
+            (&mut self.failed, &mut self.reached)
+        };
+        into.insert(component.to_owned());
+        other.remove(component);
         let file = self.specifications.get(component);
-        let mut same = self
-            .specifications
-            .iter()
-            .filter(|(_, it)| Some(*it) == file);
-        same.all(|(component, _)| self.reached.contains(component))
+        let same = self.specifications.iter();
+        let mut same = same
+            .filter(|(_, it)| Some(*it) == file)
+            .map(|(component, _)| component);
+        let has_failed = same.clone().any(|it| self.failed.contains(it));
+        let have_ended = same.all(|it| self.reached.contains(it) || self.failed.contains(it));
+        let outcome = if has_failed {
+            MissionOutcome::Failed
+        } else {
+            MissionOutcome::Reached
+        };
+        have_ended.then_some(outcome)
     }
 
     /// Returns the outcome, once it is known.
@@ -198,13 +217,12 @@ impl Observer for EndCondition {
                             .any(|end| end.location == update.location && end.value == update.after)
                     })
                 };
-                if has(&self.until) {
-                    if self.has_reached(component) {
-                        self.outcome = Some(MissionOutcome::Reached);
-                    }
-                } else if has(&self.unless) {
-                    self.outcome = Some(MissionOutcome::Failed);
-                }
+                let met = if has(&self.until) {
+                    Some(MissionOutcome::Reached)
+                } else {
+                    has(&self.unless).then_some(MissionOutcome::Failed)
+                };
+                self.outcome = met.and_then(|met| self.has_ended(component, met));
             }
             Event::Cycle { .. }
             | Event::Published { .. }

@@ -57,6 +57,8 @@ pub enum MissionError {
         process: String,
         /// Whether the environment variable ASMOTION_BUS is set, which a run does not read.
         has_variable: bool,
+        /// Whether `asmotion up` was to start it, which starts all processes of the machine.
+        is_supervised: bool,
     },
     /// The broker is unreachable or refuses the connection.
     Broker {
@@ -96,6 +98,20 @@ pub enum MissionError {
     Director(Report),
     /// The system cannot be assembled.
     Launch(String),
+}
+
+impl MissionError {
+    /// Returns whether the reason may be gone when the mission is started again: a broker that does not answer, or that has not
+    /// noticed the end of an earlier run of the process.
+    pub(crate) fn may_improve(&self) -> bool {
+        matches!(
+            self,
+            Self::Broker {
+                reason: BusError::Disconnected { .. } | BusError::Served { .. },
+                ..
+            }
+        )
+    }
 }
 
 impl fmt::Display for MissionError {
@@ -163,6 +179,7 @@ impl fmt::Display for MissionError {
             Self::NeedsBroker {
                 process,
                 has_variable,
+                is_supervised,
             } => {
                 let (address, hint) = if *has_variable {
                     let hint = ", which only the commands on a running system read by themselves";
@@ -170,9 +187,14 @@ impl fmt::Display for MissionError {
                 } else {
                     ("amqp://user@host:port/vhost", "")
                 };
+                let alone = if *is_supervised {
+                    "run all of them in one with `asmotion run`"
+                } else {
+                    "remove `--process` to run all of them in one"
+                };
                 write!(
                     to,
-                    "`{process}` is one of several processes, which communicate over a broker: add `--bus {address}`{hint}, or remove `--process` to run all of them in one"
+                    "`{process}` is one of several processes, which communicate over a broker: add `--bus {address}`{hint}, or {alone}"
                 )
             }
             Self::Broker {

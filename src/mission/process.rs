@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{Bus, BusError, LocalBus};
 use asmotion_composite::split_robot_component;
@@ -11,12 +12,20 @@ use asmotion_plan::{Broker, Part, Plan, Terminal};
 use asmotion_remote::{LastSamples, ProcessContact};
 use asmotion_runtime::System;
 
+use super::connected_broker::ConnectedBroker;
 use super::error::MissionError;
 use super::outside::OutsideSystem;
 use super::version_switch::VersionSwitch;
 use super::{Mission, MissionClock};
 use crate::broker::BrokerSettings;
 use crate::files::DiskLoader;
+
+/// Time limit for the connection to a broker that should be there.
+const CONNECT: Duration = Duration::from_secs(10);
+/// Time limit for one of several attempts.
+const ATTEMPT: Duration = Duration::from_secs(2);
+/// Time after which a wait for a broker is reported again.
+const REPEATED: Duration = Duration::from_secs(30);
 
 /// Brokers of a mission.
 #[derive(Clone, Debug, Default)]
@@ -38,14 +47,6 @@ pub enum NamedBrokers {
     One(Broker),
     /// Several brokers, each for the components that name it.
     Each(Vec<Broker>),
-}
-
-/// A connection to a broker.
-pub(super) struct ConnectedBroker {
-    /// Name of the broker in the composite; `None` if it carries everything.
-    name: Option<String>,
-    location: String,
-    bus: Arc<dyn Bus>,
 }
 
 impl MissionBrokers {
@@ -110,6 +111,7 @@ impl Mission {
             (Some(_), false) if plan.processes.len() > 1 => Err(MissionError::NeedsBroker {
                 process: requested.clone(),
                 has_variable: std::env::var_os("ASMOTION_BUS").is_some(),
+                is_supervised: false,
             }),
             (Some(_), false) => Ok(Part::Whole),
             (Some(process), true) => Ok(Part::of(process)),
@@ -210,7 +212,11 @@ impl Mission {
     }
 
     /// Connects to the brokers.
-    pub(super) fn connect(&self, plan: &Plan) -> Result<Vec<ConnectedBroker>, MissionError> {
+    pub(super) fn connect(
+        &self,
+        plan: &Plan,
+        stop: &AtomicBool,
+    ) -> Result<Vec<ConnectedBroker>, MissionError> {
         let named = |(name, settings): (&String, _)| (Some(name.clone()), settings);
         let brokers: Vec<(Option<String>, &BrokerSettings)> = match &self.brokers {
             MissionBrokers::Nothing => Vec::new(),
@@ -227,7 +233,7 @@ impl Mission {
             MissionBrokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
         let connect = |(name, settings): (Option<String>, &BrokerSettings)| {
-            let (location, bus) = settings.connect(&plan.name, self.process.as_deref());
+            let (location, bus) = self.connect_to(settings, plan, stop);
             let bus = bus.map_err(|reason| broker_error(&location, reason))?;
             Ok(ConnectedBroker {
                 name,
@@ -236,6 +242,39 @@ impl Mission {
             })
         };
         brokers.into_iter().map(connect).collect()
+    }
+
+    /// Connects to a broker, and waits for one that is not there yet if the mission is patient.
+    fn connect_to(
+        &self,
+        settings: &BrokerSettings,
+        plan: &Plan,
+        stop: &AtomicBool,
+    ) -> (String, Result<Arc<dyn Bus>, BusError>) {
+        let (began, mut reported) = (Instant::now(), None);
+        let limit = if self.broker_patience.is_zero() {
+            CONNECT
+        } else {
+            ATTEMPT
+        };
+        loop {
+            let (location, bus) = settings.connect(&plan.name, self.process.as_deref(), limit);
+            let left = self.broker_patience.saturating_sub(began.elapsed());
+            let is_over = left.is_zero() || stop.load(Ordering::Relaxed);
+            let Err(BusError::Disconnected { reason }) = &bus else {
+                return (location, bus);
+            };
+            if is_over {
+                return (location, bus);
+            }
+            if reported.is_none_or(|at: Instant| at.elapsed() >= REPEATED) {
+                let left = left.as_secs();
+                (self.notice)(&format!(
+                    "waiting for the broker at {location}, at most {left} s more: {reason}"
+                ));
+                reported = Some(Instant::now());
+            }
+        }
     }
 
     /// Connects a system to the buses and announces it there.

@@ -49,8 +49,7 @@ impl StalledCoordinator {
 pub(super) fn control_states(plan: &Plan, run: &mut dyn Run) -> Vec<(String, String)> {
     let state = |component: &Component| {
         let status = status(component, run)?;
-        let (_, state) = status.control_state()?;
-        Some((component.name.clone(), state.to_owned()))
+        Some((component.name.clone(), status.control_states()?))
     };
     plan.components.iter().filter_map(state).collect()
 }
@@ -71,7 +70,10 @@ pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator>
         let status = status(component, run)?;
         Some(StalledCoordinator {
             component: component.name.clone(),
-            state: status.control_state().map(equation),
+            state: status
+                .control_state()
+                .map(equation)
+                .or_else(|| status.control_states()),
             since_s: status.last_update.as_ref().map(|last| last.at_s),
             reasons: reasons(plan, component, file, &status),
         })

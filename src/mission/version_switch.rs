@@ -7,6 +7,7 @@ use asmotion_assembly::reconfigure::{Version, changes};
 use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Loader, Style, render_all};
+use asmotion_network::RunningNetwork;
 use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,8 @@ pub(super) struct VersionSwitch<'m> {
     /// The files of the running version, if it is not the first one.
     opened: Option<Opened>,
     calls: Vec<ServedAddress>,
+    /// The buses of the running system.
+    network: RunningNetwork,
 }
 
 impl<'m> VersionSwitch<'m> {
@@ -64,7 +67,13 @@ impl<'m> VersionSwitch<'m> {
             running: version_of(mission, plan, part.clone(), Arc::new(DiskLoader)),
             opened: None,
             calls: buses.map(serve).collect::<Result<_, _>>()?,
+            network: RunningNetwork::default(),
         })
+    }
+
+    /// Sets the buses that the ends of later versions use.
+    pub(super) fn set_network(&mut self, network: RunningNetwork) {
+        self.network = network;
     }
 
     /// Returns the running version.
@@ -158,6 +167,7 @@ impl<'m> VersionSwitch<'m> {
                 let part = self.mission.part(plan);
                 let part = part.map_err(|error| refusal("BAD_COMPOSITE", error))?;
                 let version = version_of(self.mission, plan, part, Arc::new(sent));
+                let version = version.on_buses(self.network.clone());
                 Ok((opened, version))
             }
         }

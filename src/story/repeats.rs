@@ -17,6 +17,9 @@ const EVERY: Duration = Duration::from_secs(5);
 /// Limit on the number of names, beyond which those that have not occurred recently are forgotten.
 const MOST: usize = 256;
 
+/// Number of names in a report of the counts.
+const MOST_LISTED: usize = 12;
+
 /// Counts up to this number are not reported before another entry.
 const FEW: u64 = 3;
 
@@ -78,10 +81,14 @@ impl RepeatedEntries {
             return None;
         }
         self.since = None;
-        let counts = self.counts.drain(..);
-        let counts: Vec<String> = counts
+        let others = self.counts.len().saturating_sub(MOST_LISTED);
+        let counts = self.counts.drain(..).take(MOST_LISTED);
+        let mut counts: Vec<String> = counts
             .map(|it| format!("{} ×{}", it.name, it.count))
             .collect();
+        if others > 0 {
+            counts.push(format!("and {others} others"));
+        }
         Some(format!("{FAINT}again {}{FAINT:#}", counts.join(", ")))
     }
 

@@ -19,6 +19,8 @@ pub struct Robots {
     true_positions: BTreeMap<String, Point>,
     /// By composite, then by component.
     control_states: BTreeMap<String, BTreeMap<String, String>>,
+    /// By component, the inputs of the step that entered its control state.
+    causes: BTreeMap<String, String>,
 }
 
 /// A robot at the end of a mission.
@@ -30,17 +32,27 @@ pub struct RobotSummary<'a> {
     pub path: &'a DrivenPath,
     /// The last control state of its coordinators; `None` if they differ, or if it has none.
     pub control_state: Option<&'a str>,
+    /// The inputs of the step in which the only coordinator entered it, as in `event = NO_PATH`; empty without inputs.
+    pub cause: &'a str,
 }
 
 impl Robots {
-    /// All robots by name.
+    /// All robots by name, `Rover2` before `Rover10`.
     pub fn all(&self) -> impl Iterator<Item = RobotSummary<'_>> {
         let is_only = self.paths.len() == 1;
-        self.paths.iter().map(move |(name, path)| RobotSummary {
-            name,
-            path,
-            control_state: nearest(&self.control_states, name, is_only)
-                .and_then(|states| common(states.values())),
+        let mut paths: Vec<_> = self.paths.iter().collect();
+        paths.sort_by_key(|(name, _)| by_number(name));
+        paths.into_iter().map(move |(name, path)| {
+            let states = nearest(&self.control_states, name, is_only);
+            let only = states.filter(|it| it.len() == 1);
+            let coordinator = only.and_then(|it| it.keys().next());
+            let cause = coordinator.and_then(|it| self.causes.get(it));
+            RobotSummary {
+                name,
+                path,
+                control_state: states.and_then(|states| common(states.values())),
+                cause: cause.map_or("", String::as_str),
+            }
         })
     }
 
@@ -100,6 +112,14 @@ impl Robots {
         states.insert(component.to_owned(), state.to_owned());
     }
 
+    /// Sets the inputs of the step in which a coordinator entered its control state.
+    pub(super) fn set_cause(&mut self, component: &str, inputs: &[(String, String)]) {
+        let told = inputs.iter().filter(|(_, value)| value != "false");
+        let told = told.map(|(location, value)| format!("{location} = {value}"));
+        let told: Vec<String> = told.collect();
+        self.causes.insert(component.to_owned(), told.join(", "));
+    }
+
     /// Forgets the control states of coordinators that are no longer present.
     pub(super) fn retain_control_states(&mut self, is_present: impl Fn(&str) -> bool) {
         for states in self.control_states.values_mut() {
@@ -107,6 +127,13 @@ impl Robots {
         }
         self.control_states.retain(|_, states| !states.is_empty());
     }
+}
+
+/// Sorts names by the text before their last number, then by the number.
+fn by_number(name: &str) -> (&str, u64, &str) {
+    let text = name.trim_end_matches(|it: char| it.is_ascii_digit());
+    let number = name.get(text.len()..).and_then(|it| it.parse().ok());
+    (text, number.unwrap_or_default(), name)
 }
 
 /// The nested composite of a component: `Left` of `Left/RoverDriver`.

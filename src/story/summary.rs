@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use asmotion_component::Time;
-use asmotion_coordinator::{CONTROL_STATES, StepRecord, UpdateRecord};
+use asmotion_coordinator::{CONTROL_STATES, StepRecord, UpdateRecord, function_of};
 use asmotion_datum::Sample;
 
 use super::StoryEntry;
@@ -69,21 +69,62 @@ impl EventCounts {
 
 impl fmt::Display for EventCounts {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let all = self
-            .0
-            .iter()
-            .map(|(name, count)| format!("{name} ×{count}"));
+        let all = folded(&self.0).into_iter();
+        let all = all.map(|(name, count)| format!("{name} ×{count}"));
         to.write_str(&all.collect::<Vec<_>>().join(", "))
     }
+}
+
+/// Number of names from which those that differ only in a number are counted together.
+const MANY: usize = 4;
+
+/// Counts names that differ only in their first number together: `rover1/goal` to `rover20/goal` as `rover1…20/goal`.
+fn folded(counts: &[(String, u64)]) -> Vec<(String, u64)> {
+    let numbered = |name: &str| -> Option<(String, u64, String)> {
+        let begin = name.find(|it: char| it.is_ascii_digit())?;
+        let (before, rest) = name.split_at(begin);
+        let end = rest.find(|it: char| !it.is_ascii_digit());
+        let (number, after) = rest.split_at(end.unwrap_or(rest.len()));
+        Some((before.to_owned(), number.parse().ok()?, after.to_owned()))
+    };
+    let mut rows: Vec<(String, u64)> = Vec::new();
+    let mut families: BTreeMap<(String, String), Vec<(u64, u64)>> = BTreeMap::new();
+    for (name, count) in counts {
+        if let Some((before, number, after)) = numbered(name) {
+            let family = families.entry((before, after)).or_default();
+            family.push((number, *count));
+        }
+    }
+    families.retain(|_, members| members.len() >= MANY);
+    for (name, count) in counts {
+        let family = numbered(name).map(|(before, _, after)| (before, after));
+        let Some(family) = family.filter(|it| families.contains_key(it)) else {
+            rows.push((name.clone(), *count));
+            continue;
+        };
+        let (before, after) = &family;
+        let members = families.get(&family).map_or(&[][..], Vec::as_slice);
+        let numbers = || members.iter().map(|(number, _)| number);
+        if let (Some(least), Some(most)) = (numbers().min(), numbers().max()) {
+            let row = format!("{before}{least}…{most}{after}");
+            let sum = members.iter().map(|(_, count)| count).sum();
+            // in the place of the first of them
+            if !rows.iter().any(|(name, _)| *name == row) {
+                rows.push((row, sum));
+            }
+        }
+    }
+    rows
 }
 
 impl Summary {
     /// Adds a step.
     pub(super) fn step(&mut self, component: &str, record: &StepRecord) {
         self.steps += 1;
+        self.transitions += changed_control_states(record).count() as u64;
         if let Some(control) = control(record) {
-            self.transitions += 1;
             self.set_control_state(component, &control.after);
+            self.robots.set_cause(component, &record.inputs);
         }
     }
 
@@ -145,9 +186,15 @@ pub(super) fn common<'t>(mut texts: impl Iterator<Item = &'t String>) -> Option<
     texts.all(|text| text == first).then_some(first)
 }
 
-/// The update that changes the control state, if any.
+/// The update that changes the control state of the coordinator itself, if any.
 pub(super) fn control(record: &StepRecord) -> Option<&UpdateRecord> {
-    let mut updates = record.updates.iter();
-    let control = updates.find(|update| CONTROL_STATES.contains(&&*update.location));
+    let mut changed = changed_control_states(record);
+    changed.find(|update| function_of(&update.location) == update.location)
+}
+
+/// The updates that change a control state, of the coordinator or of an agent: of a function with a usual name.
+fn changed_control_states(record: &StepRecord) -> impl Iterator<Item = &UpdateRecord> {
+    let updates = record.updates.iter();
+    let control = updates.filter(|update| CONTROL_STATES.contains(&function_of(&update.location)));
     control.filter(|control| control.before != control.after)
 }

@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use asmotion_component::{CallError, CallId, Time};
 use asmotion_messages::Bool;
 use asmotion_runtime::Event;
@@ -61,4 +63,34 @@ fn a_call_is_told_once_whatever_number_of_bindings_it_takes() {
         true, false, true, false, true, false, true, true, true, true,
     ];
     assert_eq!((told.as_slice(), counted), (expected.as_slice(), 3));
+}
+
+#[test]
+fn losses_that_go_on_are_told_at_growing_intervals_and_at_the_end() {
+    let mut story = Story::default();
+    let mut told = Vec::new();
+    // two listeners that are not there, ten times a second
+    for tick in 1..=370_u64 {
+        for to in ["Locomotor.notify", "Operator.notify"] {
+            let dropped = Event::Dropped {
+                component: "Driver",
+                port: "",
+                to,
+                total: tick,
+                reason: None,
+            };
+            let at = Time::ZERO + Duration::from_millis(100 * tick);
+            told.extend(story.report(at, &dropped));
+        }
+    }
+    let of = |to: &str, lines: &[String]| {
+        let lines = lines.iter().filter(|line| line.contains(to));
+        let totals = lines.filter_map(|line| line.split_once(": ")?.1.split(' ').next());
+        totals.map(str::to_owned).collect::<Vec<_>>()
+    };
+    for to in ["Locomotor.notify", "Operator.notify"] {
+        assert_eq!(of(to, &told), ["1", "21", "61", "141", "301"]);
+    }
+    let last = story.last_changes();
+    assert_eq!(of("", &last), ["370", "370"], "{last:?}");
 }

@@ -1,5 +1,6 @@
 //! Model of a running system: components, topics, and the age of each fact.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
@@ -65,7 +66,7 @@ pub struct BoardComponent<'b> {
     /// Name of the process, as announced on the bus.
     pub process: &'b str,
     /// Description of the component last received from the process.
-    pub present: &'b PresentComponent,
+    pub present: Cow<'b, PresentComponent>,
     /// Set if its process has been silent for too long or has ended.
     pub silence: Option<Silence>,
 }
@@ -159,7 +160,7 @@ impl Board {
                 components.map(move |present| BoardComponent {
                     robot,
                     process: name,
-                    present,
+                    present: Cow::Borrowed(present),
                     silence,
                 })
             })

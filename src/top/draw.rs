@@ -15,7 +15,7 @@ use ratatui::widgets::{Block, Paragraph, Row, Table, TableState, Wrap};
 use super::board::{BoardComponent, BoardTopic};
 use super::list_table::joints;
 use super::view::{Pane, seconds};
-use super::{Board, View};
+use super::{Board, View, fold};
 use crate::brief::brief;
 use crate::inspection;
 
@@ -47,7 +47,8 @@ pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, location: &str, n
     ])
     .areas(frame.area());
     frame.render_widget(header(board, view, location, now), top);
-    frame.render_widget(footer(view), bottom);
+    let has_folds = view.components(board, at).iter().any(fold::is_fold);
+    frame.render_widget(footer(view, has_folds), bottom);
     let [tables, message] = if middle.width >= WIDE {
         Layout::horizontal([Constraint::Percentage(60), Constraint::Percentage(40)])
     } else {
@@ -94,7 +95,7 @@ fn header<'a>(board: &Board, view: &View, location: &'a str, now: Duration) -> L
     Line::from(line)
 }
 
-fn footer(view: &View) -> Line<'static> {
+fn footer(view: &View, has_folds: bool) -> Line<'static> {
     if view.writes {
         return Line::from(format!(
             "/{}▏ Enter applies the filter, Esc clears it",
@@ -106,13 +107,20 @@ fn footer(view: &View) -> Line<'static> {
     } else {
         format!("/ filter: {}", view.filter)
     };
+    let fold = if view.is_unfolded {
+        "f fold  "
+    } else if has_folds {
+        "f unfold  "
+    } else {
+        ""
+    };
     let pause = match view.paused {
         None => "p pause",
         Some(_) => "p resume",
     };
     let order = view.order.word();
     Line::styled(
-        format!("q quit  Tab table  ↑↓ row  s sort: {order}  {filter}  {pause}"),
+        format!("q quit  Tab table  ↑↓ row  s sort: {order}  {filter}  {fold}{pause}"),
         FAINT,
     )
 }
@@ -124,7 +132,8 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
     // without losses, the other columns have the place
     let is_losing = |it: &BoardComponent<'_>| it.present.dropped + it.present.misfits > 0;
     let has_losses = components.iter().any(is_losing);
-    let shown = (several, has_losses);
+    let has_threads = components.iter().any(|it| !it.present.thread.is_empty());
+    let shown = (several, has_threads, has_losses);
     let rows = components.iter().map(|it| component(it, shown, is_over));
     let mut head = vec![
         "component",
@@ -144,6 +153,11 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         Constraint::Length(12),
         Constraint::Length(8),
     ];
+    if has_threads {
+        // after the period
+        head.insert(4, "thread");
+        widths.insert(4, Constraint::Length(6));
+    }
     if has_losses {
         head.push("lost");
         widths.push(Constraint::Length(8));
@@ -160,10 +174,10 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
 
 fn component(
     component: &BoardComponent<'_>,
-    (several, has_losses): (bool, bool),
+    (several, has_threads, has_losses): (bool, bool, bool),
     is_over: bool,
 ) -> Row<'static> {
-    let present = component.present;
+    let present = &*component.present;
     // the processes of a run that has ended are silent, and its last facts are its result
     let silence = component.silence.filter(|_| !is_over);
     let process = if several {
@@ -190,23 +204,30 @@ fn component(
     // outdated facts are dimmed
     let is_current = silence.is_none();
     let now = |shown: String| if is_current { shown } else { "-".to_owned() };
-    let cells = [
+    let before = [
         Span::raw(present.name.clone()),
         Span::raw(process),
         Span::styled(state, style),
         Span::raw(period),
+    ];
+    let thread = has_threads.then(|| Span::raw(present.thread.clone()));
+    let after = [
         Span::raw(now(measured)),
         cycle_time(present),
         overruns(present),
     ];
     let lost = has_losses.then(|| lost(present));
-    Row::new(cells.into_iter().chain(lost)).style(if is_current { Style::new() } else { FAINT })
+    let cells = before.into_iter().chain(thread).chain(after).chain(lost);
+    Row::new(cells).style(if is_current { Style::new() } else { FAINT })
 }
 
 /// The control state of a running coordinator, or the state in the life cycle.
 fn running_state(present: &PresentComponent) -> String {
     let control = inspection::control_state(&present.inspection);
-    let value = control.and_then(|control| Some(control.split_once(" = ")?.1.to_owned()));
+    let value = control.map(|control| match control.split_once(" = ") {
+        Some((_, value)) => value.to_owned(),
+        None => control,
+    });
     value.unwrap_or_else(|| present.state.clone())
 }
 
@@ -351,7 +372,7 @@ fn details(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: D
         frame.render_widget(Block::bordered().border_style(FAINT), area);
         return;
     };
-    let present = component.present;
+    let present = &*component.present;
     let title = Line::from(vec![
         Span::styled(present.name.clone(), HEAD),
         Span::raw(format!("  {}, {} cycles", present.state, present.cycles)),

@@ -268,10 +268,10 @@ fn rows_that_do_not_fit_are_counted() {
     let mut board = Board::default();
     let many = (0..9).map(|number| component(&format!("C{number}"), "Running", 10, 100.0, 0));
     board.receive(&presence("robot", many.collect()), at(9.5));
-    let view = View::default();
+    let view = pressed(&board, &[Key::Char('f')], 10.0);
     let shown = screen(&board, &view, 10.0, (80, 24));
     assert!(shown.contains("↓ 5 more"), "{shown}");
-    let mut down = pressed(&board, &[Key::Tab], 10.0);
+    let mut down = pressed(&board, &[Key::Char('f'), Key::Tab], 10.0);
     for _ in 0..8 {
         assert!(down.press(Key::Down, &board, at(10.0)));
     }
@@ -325,4 +325,37 @@ fn a_message_that_waited_for_a_stopped_terminal_is_shown_as_old() {
     board.receive(&old, at(10.0));
     let shown = screen(&board, &View::default(), 10.0, (100, 24));
     assert!(shown.contains("stale 4"), "{shown}");
+}
+
+#[test]
+fn instances_are_one_row_unless_they_are_unfolded_or_in_another_state() {
+    let mut all: Vec<_> = (1..=20)
+        .map(|it| component(&format!("Rover{it}/World"), "Running", 20, 50.0, it))
+        .collect();
+    all[6].state = "Exception".to_owned();
+    all.extend((1..=3).map(|it| component(&format!("Arm{it}"), "Running", 20, 50.0, 0)));
+    let mut board = Board::default();
+    board.receive(&presence("all", all), at(1.0));
+    let names = |view: &View| -> Vec<_> {
+        let rows = view.components(&board, at(1.0)).into_iter();
+        rows.map(|it| it.present.name.clone()).collect()
+    };
+    let mut view = View::default();
+    let folded = [
+        "Rover1…20/World ×19",
+        "Rover7/World",
+        "Arm1",
+        "Arm2",
+        "Arm3",
+    ];
+    assert_eq!(names(&view), folded);
+    let rows = view.components(&board, at(1.0));
+    let first = &rows[0].present;
+    // all but the seventh
+    assert_eq!((first.overruns, first.rate_hz), (210 - 7, 50.0));
+    let drawn = screen(&board, &view, 1.0, (110, 30));
+    assert!(drawn.contains("f unfold"), "{drawn}");
+    assert!(view.press(Key::Char('f'), &board, at(1.0)));
+    assert_eq!(names(&view).len(), 23);
+    assert!(screen(&board, &view, 1.0, (110, 30)).contains("f fold"));
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::Board;
 use super::board::{BoardComponent, BoardTopic, Silence};
+use super::fold;
 
 /// A key with a meaning in the monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +73,8 @@ pub struct View {
     pub paused: Option<(Board, Duration)>,
     /// Result of the shown run and time of its end.
     pub result: Option<(String, Duration)>,
+    /// Whether components that differ only in a number have a row each.
+    pub is_unfolded: bool,
     /// Selected row of each table.
     component: usize,
     topic: usize,
@@ -99,6 +102,7 @@ impl View {
                     SortOrder::Trouble => SortOrder::Name,
                 }
             }
+            Key::Char('f') => self.is_unfolded = !self.is_unfolded,
             Key::Char('p' | ' ') => {
                 self.paused = match self.paused.take() {
                     None => Some((board.clone(), now)),
@@ -162,6 +166,9 @@ impl View {
             .components(now)
             .filter(|it| self.matches_filter(&[it.robot, it.process, &it.present.name]))
             .collect();
+        if !self.is_unfolded {
+            components = fold::folded(components);
+        }
         match self.order {
             SortOrder::Name => {}
             SortOrder::Rate => {

@@ -217,3 +217,43 @@ fn a_domain_that_no_message_fits_is_found_before_the_run() {
         }
     }
 }
+
+/// A binding that stands for the elements of a domain is not judged while the specification has errors, which are reported once,
+/// although the file is checked alone and as part of the composite.
+#[test]
+fn an_error_of_a_specification_is_the_only_finding() {
+    let text = "asm limits
+import StandardLibrary
+signature:
+  enum domain Kind = {K1 | K2}
+  monitored lim: Kind -> Integer
+  controlled n: Integer
+definitions:
+  main rule r_Main = if lim(K1) > 3 and lim(K2) > 2 then n := \"x\" endif
+";
+    let (folder, _) = file("limits.asm", text);
+    let composite = r#"schema = "composite/1"
+[composite]
+name = "limits"
+[components.M]
+implementation = { asm = "limits.asm" }
+subscribe = { "K1/lim" = "std_msgs/Int32", "K2/lim" = "std_msgs/Int32" }
+bind.monitored."lim($k)" = { topic = "$k/lim", none = 0 }
+[[promote]]
+topic = "K1/lim"
+as = "K1/lim"
+[[promote]]
+topic = "K2/lim"
+as = "K2/lim"
+"#;
+    std::fs::write(folder.path().join("limits.composite.toml"), composite).unwrap();
+    let path = folder.path().display().to_string();
+    let (code, out, err) = run(&["check", "--format", "concise", &path]);
+    assert_eq!(code, 1, "{out}{err}");
+    assert_eq!(out.lines().count(), 1, "{out}");
+    assert!(out.contains("error[A007]"), "{out}");
+    assert!(err.contains("1 error in 2 files"), "{err}");
+    let composite = format!("{path}/limits.composite.toml");
+    let (_, out, _) = run(&["check", "--format", "concise", &composite]);
+    assert!(out.lines().count() == 1 && out.contains("A007"), "{out}");
+}

@@ -40,6 +40,14 @@ const RUNS: &[(&str, &[&str])] = &[
 /// Composites that are not run in both clocks, with the reason.
 const OTHERS: &[(&str, &str)] = &[
     (
+        "fleet/fleet",
+        "twenty rovers on the wall clock need more than two processors: `fleet` tests it in virtual time",
+    ),
+    (
+        "fleet/rover",
+        "a part of `fleet`, without others in its world",
+    ),
+    (
         "nav2/nav2",
         "nodes of ROS run on the wall clock: `nav2` tests it",
     ),

@@ -78,3 +78,91 @@ fn a_headline_names_the_control_state_of_each_robot_where_they_differ() {
     assert_eq!(summary["robots"][0]["control_state"], "ARRIVED");
     assert_eq!(summary["robots"][1]["control_state"], "FOLLOWING");
 }
+
+/// The summary of the twenty rovers of `specs/fleet`.
+fn twenty_rovers(arguments: &[&str]) -> (i32, serde_json::Value) {
+    let command = ["run", "specs/fleet/fleet.composite.toml", "--json", "-q"];
+    let (code, json, err) = run(&[&command, arguments].concat());
+    let last = json.lines().last().expect(&err);
+    (code, serde_json::from_str(last).unwrap())
+}
+
+#[test]
+fn twenty_rovers_in_one_world_reach_their_goals_or_say_why_not() {
+    let (code, summary) = twenty_rovers(&["--for", "120"]);
+    assert_eq!((code, summary["outcome"].as_str()), (1, Some("failed")));
+    assert_eq!(summary["collisions"], 0, "{summary}");
+    let robots = summary["robots"].as_array().unwrap();
+    let names: Vec<_> = robots
+        .iter()
+        .map(|it| it["name"].as_str().unwrap())
+        .collect();
+    let expected: Vec<_> = (1..=20).map(|it| format!("Rover{it}")).collect();
+    assert_eq!(names, expected, "in the order of their numbers");
+    let mut arrived = 0;
+    for robot in robots {
+        let away = robot["true_to_goal_m"].as_f64().unwrap();
+        let cause = robot["cause"].as_str().unwrap();
+        match robot["control_state"].as_str() {
+            Some("ARRIVED") => {
+                arrived += 1;
+                assert!(away < 0.2, "{robot}");
+            }
+            Some("FAILED") => {
+                assert!(
+                    ["event = NO_PATH", "event = BLOCKED"].contains(&cause),
+                    "{robot}"
+                );
+            }
+            _ => panic!("{robot}"),
+        }
+        // its goal is beside the lockers, where no rover has room
+        if robot["name"] == "Rover5" {
+            assert_eq!((cause, away > 6.0), ("event = NO_PATH", true), "{robot}");
+        }
+    }
+    assert!(arrived >= 15, "{arrived} have arrived");
+}
+
+#[test]
+fn a_fleet_has_the_same_trace_in_every_run() {
+    let events = || {
+        let command = [
+            "run",
+            "specs/fleet/fleet.composite.toml",
+            "--json",
+            "--for",
+            "4",
+        ];
+        let (_, json, _) = run(&command);
+        let mut lines: Vec<String> = json.lines().map(str::to_owned).collect();
+        // the summary contains the wall-clock time
+        lines.pop();
+        lines
+    };
+    let first = events();
+    assert!(first.len() > 100, "{} events", first.len());
+    assert!(first == events());
+}
+
+#[test]
+fn a_headline_counts_the_control_states_of_many_robots() {
+    let command = [
+        "run",
+        "specs/fleet/fleet.composite.toml",
+        "-q",
+        "--for",
+        "3",
+    ];
+    let (_, out, _) = run(&command);
+    let headline = "time up in FAILED ×1, FOLLOWING ×19 after 3.0 s";
+    assert!(out.lines().any(|line| line == headline), "{out}");
+    // rows of one element are one
+    assert!(out.contains("  received   rover1…20/goal ×20"), "{out}");
+    let rover5 = out.lines().find(|line| line.contains("Rover5 "));
+    let rover5 = rover5.unwrap_or_default();
+    assert!(
+        rover5.contains("FAILED (event = NO_PATH), driven 0.0 m"),
+        "{rover5}"
+    );
+}

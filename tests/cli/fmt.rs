@@ -50,13 +50,30 @@ fn fmt_shows_errors_and_leaves_their_file_alone() {
         std::fs::read_to_string(&path).unwrap(),
         "asm wrong signature: definitions: rule"
     );
-    let (_folder, path) = file(
-        "bytes.asm",
-        b"asm bytes // \xff\nsignature:\ndefinitions:\n",
-    );
+}
+
+#[test]
+fn fmt_says_where_a_text_is_not_utf_8_and_leaves_it_alone() {
+    let latin = b"asm latin\n// caf\xe9\nsignature:\ndefinitions:\n";
+    let (_folder, path) = file("latin.asm", latin);
+    let says_where = |err: &str| {
+        assert!(err.contains("line 2, column 7: the byte 0xE9"), "{err}");
+        assert!(err.contains("iconv -f ISO-8859-1 -t UTF-8"), "{err}");
+    };
+    for mode in [&["fmt", &*path][..], &["fmt", "--check", &path]] {
+        let (code, out, err) = run(mode);
+        assert_eq!((code, &*out), (2, ""), "{err}");
+        says_where(&err);
+        assert_eq!(std::fs::read(&path).unwrap(), latin);
+    }
+    let (_folder, path) = file("latin.avalla", b"scenario s\n// caf\xe9\nload s.asm\n");
     let (code, _, err) = run(&["fmt", &path]);
-    assert_eq!(code, 2);
-    assert!(err.contains("not UTF-8"), "{err}");
+    assert_eq!(code, 2, "{err}");
+    says_where(&err);
+    let piped = asmotion().args(["fmt", "-"]).write_stdin(latin).output();
+    let piped = piped.unwrap();
+    assert_eq!(piped.stdout, b"");
+    says_where(&String::from_utf8(piped.stderr).unwrap());
 }
 
 #[test]

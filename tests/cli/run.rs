@@ -252,3 +252,33 @@ fn a_rover_that_slips_is_told_from_one_that_arrives() {
     assert!(out.contains("m from the goal by odometry, "), "{out}");
     assert!(out.contains("m in truth (simulator)"), "{out}");
 }
+
+/// `solve` is true for one step. Its provider answers two or three steps later.
+#[test]
+fn a_call_outlasts_the_step_that_makes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    for file in std::fs::read_dir("specs/youbot").unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), folder.path().join(file.file_name())).unwrap();
+    }
+    let path = folder.path().join("youbot.composite.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let kinematics = "implementation = { rust = \"youbot::Kinematics\" }\n";
+    let slow = format!("{kinematics}activity = {{ period_ms = 120 }}\n");
+    assert_eq!(text.matches(kinematics).count(), 1);
+    std::fs::write(&path, text.replace(kinematics, &slow)).unwrap();
+    let path = path.display().to_string();
+    let run_it = [
+        "run",
+        &path,
+        "--until",
+        "mode=IDLE",
+        "--for",
+        "20",
+        "--json",
+    ];
+    let (code, out, err) = run(&run_it);
+    assert_eq!(code, 0, "{out}{err}");
+    let summary: serde_json::Value = serde_json::from_str(out.lines().last().unwrap()).unwrap();
+    assert_eq!(summary["failed_calls"], 0, "{summary}");
+}

@@ -310,6 +310,27 @@ default init s0:
     assert_eq!(exit, 2);
 }
 
+#[test]
+fn mutants_have_the_same_fates_however_they_are_explored() {
+    const SPECIFICATION: &str = "specs/patrol/patrol.asm";
+    let fates = |options: &[&str]| {
+        let (exit, out, err) = run(&[&["verify", SPECIFICATION, "--mutants"], options].concat());
+        assert_eq!((exit, err.as_str()), (1, ""), "{options:?} {out}");
+        out
+    };
+    let plain = fates(&[]);
+    for options in [
+        ["--threads", "3"].as_slice(),
+        &["--storage", "disk"],
+        &["--symmetry"],
+        &["--engine", "symbolic"],
+    ] {
+        assert_eq!(fates(options), plain, "{options:?}");
+    }
+    // with another property, other mutants survive
+    assert_ne!(fates(&["--property", "mode != PAUSED or wp < 100"]), plain);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_watched_specification_is_verified_again() {
@@ -492,6 +513,16 @@ fn verdicts_do_not_depend_on_threads_and_say_what_storage_they_depend_on() {
     assert_eq!(exit, 4);
     assert!(!out.contains("\"verdict\":\"holds\""), "{out}");
     assert!(out.contains("\"verdict\":\"holds-unless-missed\""), "{out}");
+}
+
+#[test]
+fn a_limit_of_memory_says_how_large_it_is_and_where_it_comes_from() {
+    let (exit, out, _) = run(&["verify", PHILOSOPHERS, "--memory", "0"]);
+    assert_eq!(exit, 4, "{out}");
+    let reason = "the memory reached its limit of 0 MiB, which `--memory` sets";
+    assert!(out.contains(reason), "{out}");
+    let (_, out, _) = run(&["verify", "--help"]);
+    assert!(out.contains("[default: half"), "{out}");
 }
 
 #[test]

@@ -82,3 +82,33 @@ fn memory_that_is_not_sufficient_leaves_properties_unknown() {
     assert_eq!(exit, 4, "{out}{err}");
     assert!(out.contains("unknown") && out.contains("memory"), "{out}");
 }
+
+#[test]
+fn more_states_than_a_number_holds_are_no_number() {
+    let text = "asm lamps
+import StandardLibrary
+signature:
+  domain Lamp subsetof Integer
+  monitored switched: Lamp -> Boolean
+  controlled lit: Lamp -> Boolean
+definitions:
+  domain Lamp = {0 : 69}
+  invariant inv over lit: not (lit(0) and not lit(0))
+  main rule r_Main = forall $l in Lamp with true do lit($l) := switched($l)
+default init s0:
+  function lit($l in Lamp) = false
+";
+    let (_folder, path) = file("lamps.asm", text);
+    let symbolic = ["verify", path.as_str(), "--engine", "symbolic"];
+    let (exit, out, err) = run(&symbolic);
+    assert_eq!(exit, 0, "{out}{err}");
+    assert!(out.contains(": more than 10^19 states, "), "{out}");
+    let (_, out, _) = run(&[&symbolic[..], &["--json"]].concat());
+    let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(result["states"].is_null(), "{out}");
+    assert_eq!(result["excluded"], 0);
+    // the number is no limit for mutants either
+    let (exit, out, err) = run(&[&symbolic[..], &["--mutants"]].concat());
+    assert_eq!(exit, 0, "{out}{err}");
+    assert!(out.contains("1 killed, 0 survive"), "{out}");
+}

@@ -118,3 +118,121 @@ fn replies_and_requests_from_outside_can_be_given() {
     assert_eq!(exit, 2);
     assert!(err.contains("no such partner"), "{err}");
 }
+
+/// A copy of the specifications of the courier in a folder, with this composite.
+fn couriers(composite: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["courier.asm", "dispatcher.asm", "Dispatch.asm"] {
+        let text = std::fs::read_to_string(format!("specs/courier/{name}")).unwrap();
+        // an input with the name of a function of the other specification
+        let text = match name {
+            "courier.asm" => text
+                .replace(
+                    "controlled jobs",
+                    "monitored busy: Boolean\n\tcontrolled sawBusy: Boolean\n\tcontrolled jobs",
+                )
+                .replace(
+                    "\t\tswitch mode",
+                    "\t\tpar\n\t\tif busy then sawBusy := true endif\n\t\tswitch mode",
+                )
+                .replace("\t\tendswitch", "\t\tendswitch\n\t\tendpar")
+                .replace(
+                    "function jobs = 0",
+                    "function jobs = 0\n\tfunction sawBusy = false",
+                ),
+            "dispatcher.asm" => text
+                .replace(
+                    "controlled finished",
+                    "controlled busy: Boolean\n\tcontrolled finished",
+                )
+                .replace(
+                    "finished := finished + 1",
+                    "finished := finished + 1\n\t\t\tbusy := false",
+                )
+                .replace(
+                    "function finished = 0",
+                    "function finished = 0\n\tfunction busy = false",
+                ),
+            _ => text,
+        };
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    std::fs::write(folder.path().join("town.composite.toml"), composite).unwrap();
+    folder
+}
+
+const TOWN: &str = "schema = \"composite/1\"
+[composite]
+name = \"town\"
+[components.Courier]
+implementation = { asm = \"courier.asm\", main = \"r_Main\" }
+task = { period_ms = 50 }
+references = { dispatcher = \"courier/Dispatch\" }
+[components.Dispatcher]
+implementation = { asm = \"dispatcher.asm\", main = \"r_Main\" }
+task = { period_ms = 50 }
+services = { dispatch = \"courier/Dispatch\" }
+[[wires]]
+reference = \"Courier.dispatcher\"
+service = \"Dispatcher.dispatch\"
+";
+
+/// In a composite, an input that no connection leads to has any value, although another specification has a function of its name.
+#[test]
+fn specifications_of_a_composite_read_only_what_its_connections_bring() {
+    let folder = couriers(TOWN);
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let ends = ["--bound", "4"];
+    let together = [
+        "verify",
+        "--together",
+        &path("courier.asm"),
+        &path("dispatcher.asm"),
+    ];
+    let property = ["--property", "ag(not courier.sawBusy)"];
+    let (exit, out, err) = run(&[&together[..], &ends, &property].concat());
+    assert_eq!(exit, 4, "{out}{err}");
+    assert!(
+        out.contains("unknown   CTLSPEC ag(not courier.sawBusy)"),
+        "{out}"
+    );
+    let composite = ["verify", &path("town.composite.toml")];
+    let property = ["--property", "ag(not Courier.sawBusy)"];
+    let (exit, out, err) = run(&[&composite[..], &ends, &property].concat());
+    assert_eq!(exit, 1, "{out}{err}");
+    assert!(
+        out.contains("violated  CTLSPEC ag(not Courier.sawBusy)"),
+        "{out}"
+    );
+}
+
+/// Of two dispatchers, the wire selects the partner.
+#[test]
+fn the_partner_of_a_specification_in_a_composite_is_at_the_other_end_of_its_wire() {
+    let second = "[components.Depot]
+implementation = { asm = \"dispatcher.asm\", main = \"r_Main\" }
+task = { period_ms = 50 }
+services = { dispatch = \"courier/Dispatch\" }
+[[wires]]
+";
+    let two = TOWN.replace("[[wires]]\n", second);
+    for (service, other) in [("Dispatcher", "Depot"), ("Depot", "Dispatcher")] {
+        let wired = two.replace(
+            "service = \"Dispatcher.dispatch\"",
+            &format!("service = \"{service}.dispatch\""),
+        );
+        let folder = couriers(&wired);
+        let path = folder.path().join("town.composite.toml");
+        let path = path.display().to_string();
+        let asked = format!("{service}.place = 0");
+        let (exit, out, err) = run(&["verify", &path, "--bound", "4", "--possible", &asked]);
+        assert_eq!(exit, 0, "{out}{err}");
+        assert!(
+            out.contains(&format!("holds     possible: {asked}")),
+            "{out}"
+        );
+        let asked = format!("{other}.place = 0");
+        let (exit, out, err) = run(&["verify", &path, "--bound", "4", "--possible", &asked]);
+        assert_ne!(exit, 0, "{out}{err}");
+    }
+}

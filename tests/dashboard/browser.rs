@@ -37,6 +37,10 @@ pub struct Tab {
     pub errors: Vec<String>,
     /// Addresses of all requests.
     pub requests: Vec<String>,
+    /// Events of the trace under way.
+    traced: Vec<Value>,
+    /// Whether all events of the last trace have arrived.
+    is_traced: bool,
 }
 
 impl Browser {
@@ -79,6 +83,8 @@ impl Browser {
             next: 1,
             errors: Vec::new(),
             requests: Vec::new(),
+            traced: Vec::new(),
+            is_traced: false,
         };
         for domain in ["Page", "Runtime", "Log", "Network"] {
             tab.call(&format!("{domain}.enable"), json!({}));
@@ -169,6 +175,10 @@ impl Tab {
             "Log.entryAdded" if params["entry"]["level"] == "error" => {
                 self.errors.push(params["entry"].to_string())
             }
+            "Tracing.dataCollected" => self
+                .traced
+                .extend(params["value"].as_array().into_iter().flatten().cloned()),
+            "Tracing.tracingComplete" => self.is_traced = true,
             "Network.requestWillBeSent" => self
                 .requests
                 .push(params["request"]["url"].as_str().unwrap().to_owned()),
@@ -177,6 +187,33 @@ impl Tab {
                 .push(params["url"].as_str().unwrap().to_owned()),
             _ => {}
         }
+    }
+
+    /// The share of its main thread that the page uses over a while, in processor time.
+    pub fn main_thread_share(&mut self, span: Duration) -> f64 {
+        self.call("Page.bringToFront", json!({}));
+        self.traced.clear();
+        self.is_traced = false;
+        let categories = ["devtools.timeline", "disabled-by-default-devtools.timeline"];
+        let config = json!({ "includedCategories": categories });
+        let params = json!({ "transferMode": "ReportEvents", "traceConfig": config });
+        self.call("Tracing.start", params);
+        std::thread::sleep(span);
+        self.call("Tracing.end", json!({}));
+        while !self.is_traced {
+            self.eval("1");
+        }
+        let thread = |event: &Value| (event["pid"].clone(), event["tid"].clone());
+        let mut events = self.traced.iter();
+        // only the main thread of the page draws frames
+        let frame = events
+            .find(|it| it["name"] == "FireAnimationFrame")
+            .unwrap();
+        let main = thread(frame);
+        let tasks = self.traced.iter();
+        let tasks = tasks.filter(|it| it["name"] == "RunTask" && thread(it) == main);
+        let used_us: f64 = tasks.filter_map(|it| it["tdur"].as_f64()).sum();
+        used_us / 1e6 / span.as_secs_f64()
     }
 
     /// Evaluates an expression on the page.

@@ -12,7 +12,11 @@
 )]
 
 mod browser;
+mod crossings;
+mod details;
+mod figures;
 mod mission;
+mod readers;
 mod recording;
 
 use browser::{Browser, Tab};
@@ -48,19 +52,27 @@ fn y9_each_view_shows_and_controls_a_running_mission() {
     let Some(browser) = Browser::start() else {
         return;
     };
-    let mut mission = RunningMission::start(&["--control"]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.mcap");
+    let mut mission = RunningMission::start(&["--control", "--record", file.to_str().unwrap()]);
     let mut tab = browser.open(&mission.url, WIDE, "light");
     overview(&mut tab);
+    details::measure(&mut tab);
     specification(&mut tab);
+    details::properties_and_history(&mut tab);
     components(&mut tab);
+    details::samples(&mut tab);
+    details::keys(&mut tab);
     arm(&mut tab);
     property(&mut tab);
     joints(&mut tab);
-    stale(&mut tab);
+    details::chart_range(&mut tab);
+    let silent_at = stale(&mut tab);
     goal(&mut tab);
     software_stop(&mut tab);
     pause(&mut tab);
     time(&mut tab);
+    details::values(&mut tab);
     logs(&mut tab);
     untrusted_texts(&mut tab);
     let other = view_only(&browser, &mission);
@@ -79,6 +91,8 @@ fn y9_each_view_shows_and_controls_a_running_mission() {
         assert!(foreign.is_empty(), "{foreign:?}");
         assert!(tab.requests.len() > 10, "{:?}", tab.requests);
     }
+    mission.wait();
+    recording::shows_what_was_silent(&browser, &file, silent_at);
 }
 
 fn overview(tab: &mut Tab) {
@@ -165,6 +179,14 @@ fn arm(tab: &mut Tab) {
 }
 
 fn property(tab: &mut Tab) {
+    show(tab, "components");
+    tab.click(&with_text(
+        "#components tbody tr",
+        "Rover/TrajectoryFollower",
+    ));
+    tab.wait(
+        "document.querySelector('.detail-panel strong').textContent === 'Rover/TrajectoryFollower'",
+    );
     let row = with_text(".detail tr", "max_speed");
     tab.eval(&format!("(() => {{ const it = {row}.querySelector('input'); it.value = '0.45'; it.dispatchEvent(new Event('input')); }})()"));
     tab.click(&format!("{row}.querySelector('button')"));
@@ -202,8 +224,8 @@ fn joints(tab: &mut Tab) {
     tab.screenshot("joints");
 }
 
-/// A driver that is silent although it runs.
-fn stale(tab: &mut Tab) {
+/// A driver that is silent although it runs. Returns a time at which it is, in s.
+fn stale(tab: &mut Tab) -> f64 {
     set_period(tab, 4000);
     tab.wait("document.querySelector('#age.stale')?.textContent.includes('stale')");
     tab.screenshot("stale");
@@ -214,9 +236,11 @@ fn stale(tab: &mut Tab) {
     ));
     tab.wait(&with_text("#components .badge.stale", "stale"));
     tab.screenshot("stale_components");
+    let silent_at = tab.eval("asmotion.store.t").as_f64().unwrap();
     show(tab, "joints");
     set_period(tab, 50);
     tab.wait("document.querySelector('#age.good')");
+    silent_at
 }
 
 fn goal(tab: &mut Tab) {

@@ -21,6 +21,11 @@ impl RunningMission {
             "--clock", "wall", "--for", "3600", "--until", "tries=3", "--unless", "tries=3",
         ]);
         command.args(["--dashboard", "127.0.0.1:0"]).args(arguments);
+        Self::run(&mut command)
+    }
+
+    /// Starts a command that runs a mission with a dashboard.
+    pub fn run(command: &mut Command) -> Self {
         let mut process = command
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -49,6 +54,11 @@ impl RunningMission {
             .split('/')
             .next()
             .unwrap()
+    }
+
+    /// Waits until it has ended.
+    pub fn wait(&mut self) {
+        self.process.wait().unwrap();
     }
 
     /// Ends it like Ctrl-C.

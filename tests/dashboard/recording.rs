@@ -131,7 +131,7 @@ fn seek(tab: &mut Tab, t: f64) {
 
 fn shows_mode(tab: &mut Tab, mode: &str) {
     tab.wait(&format!(
-        "{}?.children[1].textContent.replace(/[●○] /, '') === '{mode}'",
+        "{}?.children[1].firstChild.textContent.replace(/[●○] /, '') === '{mode}'",
         "[...document.querySelectorAll('.state-panel tbody tr')].find((it) => it.textContent.startsWith('mode'))"
     ));
 }
@@ -149,6 +149,7 @@ fn each_view_shows_a_recording_at_any_time() {
     let mut tab = browser.open(&shown.url, WIDE, "light");
     overview(&mut tab, &truth);
     specification(&mut tab, &truth);
+    components(&mut tab, &truth);
     time(&mut tab);
     joints(&mut tab);
     logs(&mut tab);
@@ -161,7 +162,7 @@ fn each_view_shows_a_recording_at_any_time() {
         .to_owned();
     let mut dark = browser.open(&shown.url, WIDE, "dark");
     let mut narrow = browser.open(&shown.url, (480, 900), "light");
-    for view in ["overview", "spec", "time", "joints", "logs"] {
+    for view in crate::VIEWS {
         for (tab, name) in [(&mut dark, "dark"), (&mut narrow, "narrow")] {
             tab.wait("asmotion.store.recording");
             show(tab, view);
@@ -173,6 +174,14 @@ fn each_view_shows_a_recording_at_any_time() {
         let width = narrow.eval("document.documentElement.scrollWidth");
         assert!(width.as_u64().unwrap() <= 480, "{view}: {width}");
     }
+    // the address has the view and the time
+    assert_eq!(
+        dark.wait("location.hash.endsWith('@14') && location.hash"),
+        "#logs@14"
+    );
+    let mut again = browser.open(&format!("{}#spec@7.25", shown.url), WIDE, "light");
+    again.wait("asmotion.store.cursor === 7.25 && document.querySelector('nav [aria-selected=true]').textContent.includes('Spec')");
+    drop(again);
     let id = shown.process.id().to_string();
     assert!(
         Command::new("kill")
@@ -271,6 +280,64 @@ fn specification(tab: &mut Tab, truth: &Truth) {
     tab.wait(&format!("{values} === {before}"));
 }
 
+/// Rates and ages of the shown time, what is not connected, and nothing to change.
+fn components(tab: &mut Tab, truth: &Truth) {
+    show(tab, "components");
+    let odometry = "asmotion.store.output.get('Rover/RoverDriver.odom')";
+    for t in [20.0, 33.37] {
+        seek(tab, t);
+        let until = |t: f64| truth.odometry.iter().filter(move |(at, _)| *at <= t + 1e-9);
+        let (count, last) = (until(t).count(), until(t).next_back().unwrap().0);
+        tab.wait(&format!("{odometry}.n === {count}"));
+        let age = ((t - last) * 1000.0).round();
+        assert_eq!(tab.eval(&format!("{odometry}.age_ms")).as_f64(), Some(age));
+        let recent: Vec<f64> = until(t).rev().take(32).map(|(at, _)| *at).collect();
+        let rate = 31.0 / (recent[0] - recent[31]);
+        let shown = tab.eval(&format!("{odometry}.hz")).as_f64().unwrap();
+        assert!((shown - rate).abs() < 1e-6, "{shown} {rate}");
+    }
+    tab.wait("document.querySelectorAll('#components tbody tr').length === 15");
+    tab.wait("document.querySelectorAll('.graph .node').length === 15");
+    let first = "document.querySelector('#components tbody tr').children[0].textContent";
+    assert_eq!(tab.eval(first), "Rover/Operator");
+    let row = with_text("#components tbody tr", ROVER);
+    // the period that the composite asks for, and the measured one
+    tab.wait(&format!(
+        "{row}.children[2].textContent === '50' && {row}.children[3].textContent === '50.0'"
+    ));
+    assert_eq!(
+        tab.eval(&format!("{row}.children[1].textContent")),
+        "Running"
+    );
+    let edge = with_text(
+        ".graph .edge title",
+        "Rover/LaserDriver → Rover/CollisionMonitor",
+    );
+    tab.wait(&format!("{edge}?.textContent.includes('scan 20 Hz, 0.')"));
+    tab.click(&with_text(
+        "#components tbody tr",
+        "Rover/TrajectoryFollower",
+    ));
+    tab.wait(
+        "document.querySelector('.detail-panel strong').textContent === 'Rover/TrajectoryFollower'",
+    );
+    tab.wait(&with_text(".detail code", "deceleration"));
+    assert_eq!(tab.eval("[...document.querySelectorAll('.detail button, .detail input')].every((it) => it.disabled)"), true);
+    tab.click(&with_text(".detail tr", "odom"));
+    tab.wait("document.querySelector('#sample').textContent.includes('orientation')");
+    tab.screenshot("recording_components");
+    // before the first message, nothing has come and nothing runs
+    seek(tab, 0.0);
+    tab.wait(&format!("{odometry}.n <= 1"));
+    // after the last one of the arm's command, which is no regular output, nothing is stale
+    seek(tab, 30.0);
+    tab.wait(&with_text("#findings p.fine, #findings p.hint", " "));
+    assert_eq!(
+        tab.eval("document.querySelectorAll('#findings p.bad').length"),
+        0
+    );
+}
+
 fn time(tab: &mut Tab) {
     show(tab, "time");
     seek(tab, 12.0);
@@ -284,6 +351,57 @@ fn time(tab: &mut Tab) {
     tab.mouse("mousePressed", x, y);
     tab.mouse("mouseReleased", x, y);
     tab.wait("asmotion.store.cursor !== 12");
+    folded(tab);
+}
+
+/// Time at which a click into the lanes at this share of their width leads.
+fn clicked(tab: &mut Tab, share: f64) -> f64 {
+    let place = format!(
+        "(() => {{ const box = document.querySelector('.lanes canvas').getBoundingClientRect(); return [box.left + 190 + (box.width - 208) * {share}, box.top + 120]; }})()"
+    );
+    let place = tab.eval(&place);
+    let (x, y) = (place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    tab.mouse("mousePressed", x, y);
+    tab.mouse("mouseReleased", x, y);
+    tab.eval("asmotion.store.cursor").as_f64().unwrap()
+}
+
+/// Long stretches in which nothing happened take little room, and a click leads to the time that is shown there.
+fn folded(tab: &mut Tab) {
+    tab.eval("import('/folding.js').then((it) => { window.Folding = it.Folding; })");
+    tab.wait("window.Folding");
+    // two events, ten seconds, two events, the rest: of 100 s, the 46 s between the margins take 4 % of what is shown
+    let folding = "(() => { const it = new Folding(0, 100).fold([1, 2, 12, 60, 61]); return [it.folds.length, it.length, it.to(12), it.from(it.to(40)), it.from(it.to(99)), it.hides(40), it.hides(61)]; })()";
+    let expected = serde_json::json!([1, 56.25, 12.0, 40.0, 99.0, true, false]);
+    let close = |(one, other): (&Value, &Value)| match (one.as_f64(), other.as_f64()) {
+        (Some(one), Some(other)) => (one - other).abs() < 1e-6,
+        _ => one == other,
+    };
+    let found = tab.eval(folding);
+    let pairs = found
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(expected.as_array().unwrap());
+    assert!(pairs.clone().all(close), "{found}");
+    // the whole run, in which the rover drives for long without a change of its coordinator
+    tab.eval("asmotion.zoom([0, asmotion.store.recording.end])");
+    tab.wait("document.querySelector('#banner').textContent.includes('Showing 0.00 s')");
+    tab.eval("document.querySelector('#fold').click()");
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    tab.screenshot("recording_folded");
+    let times: Vec<f64> = (0..20)
+        .map(|tick| clicked(tab, f64::from(tick) / 20.0 + 0.01))
+        .collect();
+    let ways: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(ways.iter().all(|way| *way > 0.0), "{times:?}");
+    let (least, most) = (
+        ways.iter().copied().fold(f64::MAX, f64::min),
+        ways.iter().copied().fold(0.0, f64::max),
+    );
+    assert!(most > 2.0 * least, "{times:?}");
+    tab.eval("document.querySelector('#fold').click()");
+    tab.eval("asmotion.zoom(null)");
 }
 
 fn joints(tab: &mut Tab) {
@@ -323,10 +441,6 @@ fn playing(tab: &mut Tab, truth: &Truth) {
 
 fn reading_only(tab: &mut Tab) {
     assert_eq!(
-        tab.eval(&format!("{}.hidden", with_text("[role=tab]", "Components"))),
-        true
-    );
-    assert_eq!(
         tab.eval(
             "document.querySelector('#stop').hidden && document.querySelector('#cancel').hidden"
         ),
@@ -339,6 +453,70 @@ fn reading_only(tab: &mut Tab) {
         problem.as_str().unwrap().contains("shows the system only"),
         "{problem}"
     );
+}
+
+/// Of a run in which the driver of the arm was silent at a time: it is stale at that time, and was not before.
+pub fn shows_what_was_silent(browser: &Browser, file: &Path, silent_at: f64) {
+    let shown = Shown::start(file);
+    let mut tab = browser.open(&shown.url, WIDE, "light");
+    tab.wait("asmotion.store.recording");
+    show(&mut tab, "components");
+    seek(&mut tab, silent_at);
+    tab.wait(&with_text(
+        "#findings p.bad",
+        "Arm/Driver/youBotDriver.jointStatus has been silent for",
+    ));
+    tab.wait(&with_text("#components .badge.stale", "stale"));
+    tab.wait("document.querySelectorAll('.graph .edge.broken').length > 0");
+    tab.screenshot("recording_stale");
+    // what was set during the run has its value from then on
+    tab.click(&with_text(
+        "#components tbody tr",
+        "Rover/TrajectoryFollower",
+    ));
+    let row = with_text(".detail tr", "max_speed");
+    tab.wait(&format!("{row}?.querySelector('input').value === '0.45'"));
+    seek(&mut tab, 3.0);
+    tab.wait(&format!(
+        "!{row} || {row}.querySelector('input').value !== '0.45'"
+    ));
+    tab.wait("document.querySelectorAll('#findings p.bad').length === 0");
+    assert_eq!(tab.errors, Vec::<String>::new());
+}
+
+/// Of a run in which `Three` has replaced `Two`.
+pub fn shows_each_version(browser: &Browser, file: &Path) {
+    let shown = Shown::start(file);
+    let mut tab = browser.open(&shown.url, WIDE, "light");
+    tab.wait("asmotion.store.recording");
+    show(&mut tab, "components");
+    let rows = "[...document.querySelectorAll('#components tbody tr')].map((it) => it.children[0].textContent).join()";
+    tab.wait(&format!("{rows} === 'One,Three'"));
+    seek(&mut tab, 0.5);
+    tab.wait(&format!("{rows} === 'One,Two'"));
+    // the text, the locations and the control state of each time are those of the version that ran
+    show(&mut tab, "spec");
+    tab.eval("(() => { const it = document.querySelector('.source-panel select'); it.value = 'One'; it.dispatchEvent(new Event('change')); })()");
+    let title = "document.querySelector('.source-panel .faint').textContent";
+    tab.wait(&format!("{title}.includes('version 1 of 2, from 0.00 s')"));
+    tab.wait("document.querySelector('.source').textContent.includes('said :=')");
+    tab.wait("Object.keys(asmotion.store.locationsAt('One')).join() === 'n,said'");
+    let end = tab.eval("asmotion.store.recording.end").as_f64().unwrap();
+    seek(&mut tab, end);
+    tab.wait(&format!("{title}.includes('version 2 of 2')"));
+    tab.wait("document.querySelector('.source').textContent.includes('twice := 2 * n')");
+    tab.wait("Object.keys(asmotion.store.locationsAt('One')).sort().join() === 'n,phase,twice'");
+    // and the values before the replacement follow from the state in which it took place
+    let from =
+        "asmotion.store.system.specifications.filter((it) => it.component === 'One')[1].from";
+    assert_eq!(tab.eval(&format!("asmotion.store.recording.changes.One.every(([t, before, after]) => t >= {from} && before !== after)")), true);
+    let before = tab.eval(&format!(
+        "Object.keys(asmotion.store.locationsAt('One', {from} - 0.05)).join()"
+    ));
+    assert_eq!(before, "n,said");
+    show(&mut tab, "time");
+    tab.screenshot("versions");
+    assert_eq!(tab.errors, Vec::<String>::new());
 }
 
 #[test]
@@ -368,7 +546,53 @@ fn a_file_that_is_none_or_was_cut_is_told() {
     let shown = Shown::start(&file);
     let mut tab = browser.open(&shown.url, WIDE, "light");
     tab.wait("document.querySelector('#banner').textContent.startsWith('The recording is INCOMPLETE: the file is cut')");
-    tab.wait("asmotion.store.recording.end > 5 && asmotion.store.recording.end < 39");
+    tab.wait("asmotion.store.recording.end > 1 && asmotion.store.recording.end < 39");
+}
+
+/// A recording opens where a property was violated.
+#[test]
+fn a_recording_opens_at_the_first_violation() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let (composite, file) = (
+        folder.path().join("counts.composite.toml"),
+        folder.path().join("run.mcap"),
+    );
+    let specification = "asm counts\nimport StandardLibrary\nimport CTLLibrary\nsignature:\n  controlled n: Integer\n\
+                         definitions:\n  main rule r_Main = n := n + 1\n  CTLSPEC ag(n < 20)\n\
+                         default init s0:\n  function n = 0\n";
+    std::fs::write(folder.path().join("counts.asm"), specification).unwrap();
+    let text = "schema = \"composite/1\"\n[composite]\nname = \"counts\"\n[components.One]\n\
+                implementation = { asm = \"counts.asm\" }\ntask = { period_ms = 100 }\n";
+    std::fs::write(&composite, text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.arg("run").arg(&composite);
+    let output = command
+        .args(["--for", "10", "--record"])
+        .arg(&file)
+        .output();
+    assert!(file.exists(), "{output:?}");
+    let shown = Shown::start(&file);
+    let mut tab = browser.open(&shown.url, WIDE, "light");
+    // the step that makes it 20
+    tab.wait("asmotion.store.cursor === 1.9");
+    tab.wait(&with_text("#step, .state-panel td.value", "20"));
+    tab.wait(&with_text(
+        ".log .row.error",
+        "violates CTLSPEC `ag(n < 20)`",
+    ));
+    show(&mut tab, "spec");
+    let property = with_text("#properties p.bad", "ag(n < 20)");
+    tab.wait(&format!(
+        "{property}?.textContent.startsWith('violated, first at 1.90 s')"
+    ));
+    tab.click("document.querySelector('#next-mark')");
+    tab.wait("asmotion.store.cursor === 1.9");
+    seek(&mut tab, 1.0);
+    tab.wait("document.querySelectorAll('#properties p.fine').length === 1");
+    assert_eq!(tab.errors, Vec::<String>::new());
 }
 
 /// The description of a recording that its dashboard serves.

@@ -260,7 +260,7 @@ fn a_new_version_is_recorded_with_its_texts_and_the_chain_goes_on() {
     let (mut texts, mut begins) = (Vec::new(), Vec::new());
     for item in RunReader::open(&file).unwrap() {
         match item {
-            RecordingItem::Text { name, text } => texts.push((name, text)),
+            RecordingItem::Text { name, text, .. } => texts.push((name, text)),
             RecordingItem::Step { component, step } => {
                 assert!(step.is_intact);
                 let sources = step.cycle.begins.iter().flat_map(|begin| &begin.sources);

@@ -488,3 +488,113 @@ fn over_a_broker_a_command_of_another_length_is_refused_without_idle_and_reporte
     let expected = "BAD_ARGUMENT: `position`: expected a list of 5, found one of 6";
     assert!(refused.contains(expected), "{refused}");
 }
+
+/// A driver of its own with a proxy.
+const DESK: &str = r#"
+schema = "composite/1"
+[composite]
+name = "station"
+[components.Own]
+implementation = { rust = "youbot::DummyDriver" }
+activity = { period_ms = 20 }
+[components.Facade]
+implementation = { builtin = "port-proxy", target = "Own" }
+activity = { period_ms = 20 }
+services = { sending = "youbot/SendingCommands", reading = "youbot/RetrievingStatus", pacing = "youbot/SettingPeriod" }
+"#;
+
+#[test]
+fn an_argument_that_does_not_fit_is_refused_in_the_words_of_the_operation() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let site = Site::new(&vhost);
+    let _station = Station::start(&mut site.run(&site.write("station", DESK), &[]));
+    let client = Client::new(&vhost);
+    client.reaches(&[0.0; 5]);
+    for (service, operation, argument, expected) in [
+        (
+            "sending",
+            "setJointsPositions",
+            r#"{"position": [0.1, 0.1, 0.1, 0.1, 0.1], "zz": 1}"#,
+            "unknown field `zz`, expected `position`",
+        ),
+        (
+            "pacing",
+            "setPeriod",
+            r#"{"period_ms": 5}"#,
+            "unknown field `period_ms`, expected `period`",
+        ),
+        (
+            "pacing",
+            "setPeriod",
+            r#"{"period": "5"}"#,
+            "`period`: expected `float64`, found a string",
+        ),
+    ] {
+        let argument: Datum = serde_json::from_str(argument).unwrap();
+        let refused = client.call(service, operation, argument).unwrap_err();
+        let refused = refused.to_string();
+        let expected = format!("BAD_ARGUMENT: {expected}");
+        assert!(refused.contains(&expected), "{expected}: {refused}");
+    }
+    // the value of the only field may stand for the record
+    client
+        .call("pacing", "setPeriod", Datum::Float(0.05))
+        .unwrap();
+}
+
+/// Sends commands until one is refused, and checks that it is because the robot is not there.
+#[track_caller]
+fn is_refused(client: &Client, goal: &[f64]) {
+    let until = Instant::now() + LONG;
+    loop {
+        match client.command(goal) {
+            Ok(_) => assert!(Instant::now() < until, "commands are accepted"),
+            Err(refused) => {
+                let refused = refused.to_string();
+                let expected = "UNAVAILABLE: what `Arm` stands for cannot be reached";
+                return assert!(refused.contains(expected), "{refused}");
+            }
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn a_proxy_of_a_robot_that_is_stopped_or_silent_refuses_commands_and_readings() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let site = Site::new(&vhost);
+    let arm = site.arm(6);
+    let mut station = site.station();
+    let client = Client::new(&vhost);
+    client.reaches(&[0.0; 6]);
+    let info = || site.tool(&["component", "info", "station.Arm"]);
+    assert!(info().contains("present"), "{}", info());
+
+    site.tool(&["component", "stop", "arm.Driver"]);
+    is_refused(&client, &[0.9; 6]);
+    assert_eq!(client.position(), None, "it would be an old one");
+    assert!(
+        info().contains("robot `arm` has stopped the component"),
+        "{}",
+        info()
+    );
+    site.tool(&["component", "start", "arm.Driver"]);
+    client.reaches(&[0.0; 6]);
+    client.command(&[0.1; 6]).unwrap();
+    client.reaches(&[0.1; 6]);
+
+    // killed: it does not say that it leaves
+    drop(arm);
+    station.says("commands are dropped until it is back");
+    is_refused(&client, &[0.9; 6]);
+    assert_eq!(client.position(), None, "it would be an old one");
+    assert!(info().contains("robot `arm` "), "{}", info());
+    let _arm = site.arm(6);
+    client.reaches(&[0.0; 6]);
+}

@@ -382,12 +382,7 @@ fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>
         .map(|it| (it.code, &it.message));
     assert_eq!(found.collect::<Vec<_>>(), [], "nothing is found");
     let plan = opened.plan(None).unwrap();
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, files, CoordinatorOptions::seeded(1));
     let mut system = asmotion_assembly::start(plan, &mut workshop).unwrap();
     let log = Arc::new(Mutex::new(Log::default()));
     let listener = log.clone();

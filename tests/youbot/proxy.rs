@@ -1,8 +1,9 @@
 //! The driver and its proxy.
 
-use super::bench::{Bench, TIMEOUT};
-use asmotion_component::Time;
+use super::bench::{Bench, Log, TIMEOUT};
+use asmotion_component::{Time, Transition};
 use asmotion_datum::Datum;
+use asmotion_messages::JointCommand;
 use asmotion_runtime::Run;
 use std::time::Duration;
 
@@ -226,29 +227,138 @@ fn y4_a_fault_of_the_driver_is_told_and_ends_the_waiting() {
 
 #[test]
 fn y11_a_driver_that_falls_silent_is_told_and_shown_as_stale() {
-    let script = &["2.5 read", "4 read"];
-    let (mut simulation, log) = Bench {
+    // it runs, and says nothing for ten seconds
+    let script = &[
+        "1.95 period 10",
+        "2.5 read",
+        "4 read",
+        "4.1 move 0.3 0.3 0.3 0.3 0.3",
+    ];
+    let log = Bench {
         script,
         ..Bench::default()
     }
-    .simulate();
-    simulation.run_for(Duration::from_secs(2));
-    let stop = asmotion_component::Transition::Stop;
-    simulation.transition("Driver/youBotDriver", stop).unwrap();
-    simulation.run_for(Duration::from_secs(3));
-    let log = log.lock().unwrap();
+    .run(5);
     let stale = ms(log.first("stale").unwrap());
     assert!((2900..3150).contains(&stale), "{stale} ms");
-    assert_eq!(log.events(), ["stale"], "once");
+    assert_eq!(log.events(), ["stale", "busy"], "once");
     assert!(
-        log.replies[0].2.is_ok(),
+        log.replies[1].2.is_ok(),
         "the last value is half a second old"
     );
-    let refused = log.replies[1].2.as_ref().unwrap_err();
+    let refused = log.replies[2].2.as_ref().unwrap_err();
     assert!(
         refused.starts_with("STALE"),
         "never a frozen good value: {refused}"
     );
+    assert!(log.replies[3].2.is_ok(), "it runs");
+}
+
+const DRIVER: &str = "Driver/youBotDriver";
+
+/// Stops the driver at 2 s, and starts it at 5 s. Returns the log after 7 s.
+fn stopped_for_a_while(driver: String, script: &'static [&'static str], wire: &'static str) -> Log {
+    let bench = Bench {
+        driver,
+        script,
+        wire,
+        ..Bench::default()
+    };
+    let (mut simulation, log) = bench.simulate();
+    simulation.run_for(Duration::from_secs(2));
+    simulation.transition(DRIVER, Transition::Stop).unwrap();
+    simulation.run_for(Duration::from_secs(3));
+    simulation.transition(DRIVER, Transition::Start).unwrap();
+    simulation.run_for(Duration::from_secs(2));
+    std::mem::take(&mut log.lock().unwrap())
+}
+
+/// The shipped driver, with this mode of its commands.
+fn with_mode(mode: &str) -> String {
+    let oneway = "youBotDriver.commands\", mode = \"oneway\"";
+    let driver = Bench::default().driver;
+    assert!(driver.contains(oneway));
+    driver.replace(oneway, &oneway.replace("oneway", mode))
+}
+
+#[test]
+fn a_proxy_refuses_commands_and_readings_of_a_driver_that_is_stopped() {
+    let driver = Bench::default().driver;
+    // without `notify`, nothing else notices it
+    let silent = driver.replace(", stale_ms = 1000", "");
+    assert_ne!(silent, driver);
+    for driver in [driver, silent] {
+        let script = &[
+            "2.5 move 0.3 0.3 0.3 0.3 0.3",
+            "2.6 period 0.05",
+            "2.7 read",
+            "4 read",
+            "5.5 read",
+        ];
+        let log = stopped_for_a_while(driver, script, TIMEOUT);
+        let (refused, last) = log.replies.split_at(4);
+        for (operation, _, result) in refused {
+            let expected = format!("STOPPED: `{DRIVER}` is stopped");
+            assert_eq!(result, &Err(expected), "{operation}");
+        }
+        let read = last[0].2.as_ref().unwrap();
+        let position: Vec<f64> = read.get("position").unwrap().to().unwrap();
+        assert_eq!(position, [0.0; 5], "no old command was carried out");
+    }
+}
+
+#[test]
+fn a_one_way_command_to_a_driver_that_is_stopped_is_counted_and_reported() {
+    let script = &["2.5 move 0.3 0.3 0.3 0.3 0.3"];
+    let log = stopped_for_a_while(Bench::default().driver, script, ", oneway = true");
+    let expected =
+        format!("a one-way command for `commands` is refused: STOPPED: `{DRIVER}` is stopped");
+    let proxy = "Driver/SCAyouBotDriver".to_owned();
+    assert_eq!(log.told, [(proxy, expected)]);
+    let (_, last) = log.statuses.last().unwrap();
+    assert_eq!(last.position, [0.0; 5]);
+}
+
+#[test]
+fn a_driver_that_stops_ends_the_wait_of_callers_and_the_motion() {
+    // 3 rad at 1 rad/s, interrupted after 0.5 s
+    let script = &["1.5 move 3 0 0 0 0"];
+    let log = stopped_for_a_while(with_mode("done"), script, TIMEOUT);
+    let (_, at, result) = &log.replies[0];
+    let stopped = format!("STOPPED: `{DRIVER}` is stopped");
+    assert_eq!(result, &Err(stopped.clone()));
+    assert!((2000..2050).contains(&ms(*at)), "{at}");
+    assert_eq!(log.faults, [stopped]);
+    assert!(!log.events().contains(&"idle"));
+    // it stays where it was stopped
+    let (_, last) = log.statuses.last().unwrap();
+    assert!((last.position[0] - 0.4).abs() < 0.11, "{last:?}");
+    // one that has not been read yet is not taken later
+    let log = stopped_for_a_while(with_mode("taken"), &["1.99 move 3 0 0 0 0"], TIMEOUT);
+    assert!(log.replies[0].2.is_err(), "{:?}", log.replies);
+    let (_, last) = log.statuses.last().unwrap();
+    assert_eq!(last.position, [0.0; 5]);
+}
+
+#[test]
+fn a_command_past_the_proxy_to_a_stopped_driver_is_not_carried_out_later() {
+    let (mut simulation, log) = Bench::default().simulate();
+    simulation.run_for(Duration::from_secs(1));
+    simulation.transition(DRIVER, Transition::Stop).unwrap();
+    let command = JointCommand {
+        position: vec![0.3; 5],
+        ..JointCommand::default()
+    };
+    let now = simulation.now();
+    let port = format!("{DRIVER}.commands");
+    simulation.inject(now, &port, command).unwrap();
+    simulation.run_for(Duration::from_secs(6));
+    simulation.transition(DRIVER, Transition::Start).unwrap();
+    simulation.run_for(Duration::from_secs(2));
+    assert_eq!(simulation.losses(DRIVER).dropped, 1);
+    let log = log.lock().unwrap();
+    let (_, last) = log.statuses.last().unwrap();
+    assert_eq!(last.position, [0.0; 5]);
 }
 
 #[test]

@@ -15,6 +15,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Limit for the parts of a grounded program.
 const MAX_PARTS: usize = 400_000;
 
+/// Limit for the parts of terms that are copied: an argument stands in each place where its parameter is used, so that nested calls
+/// multiply it.
+const MAX_COPIED: usize = 2_000_000;
+
 /// Limit for nested calls during grounding; deeper ones are left to a machine.
 const MAX_NESTED: usize = 200;
 
@@ -51,6 +55,7 @@ pub fn ground(context: &GroundingContext<'_>) -> Result<GroundProgram, TooLarge>
         input_of: BTreeMap::new(),
         written: written_functions(program),
         parts: 0,
+        copied: 0,
         depth: 0,
         agent: KnownTerm::Value(Value::Undef),
     };
@@ -87,6 +92,8 @@ pub(crate) struct Grounding<'a> {
     written: BTreeSet<FunctionId>,
     /// Number of parts so far.
     pub parts: usize,
+    /// Number of copied parts so far.
+    copied: usize,
     /// Depth of nested calls.
     depth: usize,
     /// The running agent.
@@ -102,6 +109,29 @@ impl Grounding<'_> {
     pub fn has_room(&mut self) -> bool {
         self.parts += 1;
         self.parts <= MAX_PARTS
+    }
+
+    /// Returns `true`, and counts the parts of a term that is about to be copied, unless the grounded program would be too large.
+    pub fn may_copy(&mut self, term: &KnownTerm) -> bool {
+        let mut waiting = vec![term];
+        let mut parts = Vec::new();
+        while let Some(known) = waiting.pop() {
+            match known {
+                KnownTerm::Term(term, _) => parts.push(term),
+                KnownTerm::Tuple(items) => waiting.extend(items),
+                KnownTerm::Value(_) | KnownTerm::Unknown => {}
+            }
+        }
+        while let Some(part) = parts.pop() {
+            self.copied += 1;
+            if self.copied > MAX_COPIED {
+                // nothing has room any more
+                self.parts = MAX_PARTS + 1;
+                return false;
+            }
+            parts.extend(part.parts());
+        }
+        true
     }
 
     /// Executes `work` one call deeper; `None` if calls are nested too deeply.

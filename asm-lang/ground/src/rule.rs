@@ -99,11 +99,10 @@ impl Grounding<'_> {
                 let chosen: Vec<u32> = binders.iter().map(|binder| binder.local).collect();
                 let candidates = self.instances(binders, frame, |grounding, frame| {
                     let guard = grounding.guard(guard.as_ref(), frame);
-                    let values = chosen.iter().map(|local| match frame.get(*local) {
-                        KnownTerm::Value(value) => value,
-                        KnownTerm::Term(..) | KnownTerm::Tuple(_) | KnownTerm::Unknown => {
-                            Value::Undef
-                        }
+                    let values = chosen.iter().map(|local| match frame.known(*local) {
+                        Some(KnownTerm::Value(value)) => value.clone(),
+                        Some(KnownTerm::Term(..) | KnownTerm::Tuple(_) | KnownTerm::Unknown)
+                        | None => Value::Undef,
                     });
                     let chosen = values.collect();
                     let rule = match guard.constant() {
@@ -251,6 +250,9 @@ impl Grounding<'_> {
         let mut last = None;
         for (case, rule) in cases {
             let case = self.term(case, frame);
+            if !self.may_copy(&subject) {
+                return GroundRule::Machine;
+            }
             let guard = equal(subject.clone(), case).of_sort(Sort::Bool);
             match guard.constant() {
                 Some(0) => {}

@@ -16,11 +16,8 @@ impl LocalFrame {
         Self(arguments)
     }
 
-    pub fn get(&self, local: Local) -> KnownTerm {
-        self.0
-            .get(local as usize)
-            .cloned()
-            .unwrap_or(KnownTerm::Unknown)
+    pub fn known(&self, local: Local) -> Option<&KnownTerm> {
+        self.0.get(local as usize)
     }
 
     pub fn set(&mut self, local: Local, bound: KnownTerm) {
@@ -72,7 +69,10 @@ impl Grounding<'_> {
         let truth = |term| KnownTerm::of(term, Sort::Bool);
         match &*term.node {
             TermNode::Constant(value) => KnownTerm::Value(value.clone()),
-            TermNode::Local(local) => frame.get(*local),
+            TermNode::Local(local) => match frame.known(*local) {
+                Some(known) if self.may_copy(known) => known.clone(),
+                Some(_) | None => KnownTerm::Unknown,
+            },
             TermNode::Agent => self.agent.clone(),
             TermNode::Slot(function, slot) => self.location(*function, *slot),
             TermNode::Location(function, arguments) => {
@@ -197,6 +197,9 @@ impl Grounding<'_> {
         let mut last = None;
         for (case, value) in cases {
             let case = self.term(case, frame);
+            if !self.may_copy(&subject) {
+                return KnownTerm::Unknown;
+            }
             let guard = equal(subject.clone(), case).of_sort(Sort::Bool);
             match guard.constant() {
                 Some(0) => {}

@@ -115,6 +115,13 @@ impl Model {
         self.added.term(term)
     }
 
+    /// Makes the functions that a standard library declares visible to added parts, as if the main file imported it, without the
+    /// definitions of those that have one. Names that are visible already hide them. Returns `false` if all of them are hidden.
+    pub fn offer_library(&mut self, library: &ast::File) -> bool {
+        let offered = self.resolve(|resolver| Some(resolver.declared.offer_functions(library)));
+        offered.unwrap_or_default()
+    }
+
     /// Removes all added parts but the first `terms` terms and `rules` rules.
     pub fn forget_added(&mut self, terms: usize, rules: usize) {
         self.added.terms.truncate(terms);

@@ -11,6 +11,7 @@ use crate::codes::a020::DefinesUndeclared;
 use crate::codes::a021::DefinesWrongKind;
 use crate::codes::a023::MainParameters;
 use crate::codes::a027::NoSuchInit;
+use crate::codes::a028::NotARule;
 use crate::codes::w002::FileNameDiffers;
 use crate::codes::w004::EmptyDomain;
 use crate::codes::w005::NoMainRule;
@@ -22,7 +23,7 @@ use crate::hidden::NameKind;
 use crate::load::LoadedFiles;
 use crate::model::{
     Added, AgentProgram, Body, DomainKind, FunctionId, FunctionKind, Invariant, Meaning, Model,
-    PropertyLogic, Reserved, Rule, TemporalProperty, Term, Variable, kind_name,
+    PropertyLogic, Reserved, TemporalProperty, Term, Variable, kind_name,
 };
 use crate::options::ReadOptions;
 use crate::resolver::Resolver;
@@ -32,7 +33,7 @@ use asmotion_diagnostics::{
 };
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// As [`analyse_with`], with the default options.
@@ -51,8 +52,11 @@ pub fn analyse_with(
     let Some(main) = loaded.units.last() else {
         return (None, Report::new());
     };
+    let declared = declare(&loaded.units, options.compatible);
+    let rules = declared.rules.iter().zip(0..);
     let mut analysis = Analysis {
-        declared: declare(&loaded.units, options.compatible),
+        rule_ids: rules.map(|(rule, id)| (rule.span, RuleId(id))).collect(),
+        declared,
         invariants: Vec::new(),
         properties: Vec::new(),
         programs: Vec::new(),
@@ -99,6 +103,8 @@ pub fn unverified_properties(
 
 struct Analysis<'a> {
     declared: SignatureTables,
+    /// The rules of all files by the span of the name.
+    rule_ids: BTreeMap<Span, RuleId>,
     invariants: Vec<Invariant>,
     properties: Vec<TemporalProperty>,
     programs: Vec<AgentProgram>,
@@ -314,7 +320,7 @@ impl Analysis<'_> {
 
     fn rules(&mut self, unit: usize, tree: &ast::File) {
         for rule in tree.rules.iter().chain(&tree.main) {
-            let Some(id) = self.rule_at(rule.name.span) else {
+            let Some(&id) = self.rule_ids.get(&rule.name.span) else {
                 continue;
             };
             let parameters = self.declared.rules[id.0 as usize].parameters.clone();
@@ -328,16 +334,6 @@ impl Analysis<'_> {
             let body = resolver.body(rule.parameters.len(), root);
             self.declared.rules[id.0 as usize].body = Some(body);
         }
-    }
-
-    /// Returns the rule whose name is declared at this span.
-    fn rule_at(&self, span: Span) -> Option<RuleId> {
-        let at = self
-            .declared
-            .rules
-            .iter()
-            .position(|rule: &Rule| rule.span == span)?;
-        Some(RuleId(at as u32))
     }
 
     fn properties(&mut self, unit: usize, tree: &ast::File, library: bool) {
@@ -511,7 +507,7 @@ impl Analysis<'_> {
                 .report
                 .push(MainParameters { at: rule.name.span }.diagnostic());
         }
-        self.rule_at(rule.name.span)
+        self.rule_ids.get(&rule.name.span).copied()
     }
 
     fn undefined_domains(&mut self) {
@@ -623,7 +619,8 @@ const UNKNOWN: &[&Code] = &[
 ];
 
 /// Removes findings that may only follow from unreadable parts of the texts: a name that occurs in
-/// such a part could be declared there.
+/// such a part could be declared there, and a term before `=` at its beginning is probably the location of an
+/// update, as in `n = 1`.
 fn without_unread(mut report: Report, loaded: &LoadedFiles, sources: &Sources) -> Report {
     let unread = loaded.units.iter().flat_map(|unit| &unit.tree.unread);
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
@@ -633,7 +630,24 @@ fn without_unread(mut report: Report, loaded: &LoadedFiles, sources: &Sources) -
     report.diagnostics.retain(|finding| {
         let at = finding.primary.as_ref().map(|label| label.span);
         let name = at.map_or("", |at| sources.snippet(at));
-        !(finding.is_any(UNKNOWN) && words.contains(name))
+        let is_updated = || at.is_some_and(|at| is_before_equals(at, loaded, sources));
+        let may_be_declared = finding.is_any(UNKNOWN) && words.contains(name);
+        let may_be_updated = finding.is_any(&[NotARule::CODE]) && is_updated();
+        !may_be_declared && !may_be_updated
     });
     report
+}
+
+/// Returns whether an unreadable part that begins with `=` follows the span, after blanks at most.
+fn is_before_equals(at: Span, loaded: &LoadedFiles, sources: &Sources) -> bool {
+    let unread = loaded.units.iter().flat_map(|unit| &unit.tree.unread);
+    let mut behind = unread.filter(|it| it.file == at.file && it.start >= at.end);
+    behind.any(|it| {
+        let between = Span {
+            start: at.end,
+            end: it.start,
+            ..at
+        };
+        sources.snippet(between).trim().is_empty() && sources.snippet(*it).starts_with('=')
+    })
 }

@@ -3,7 +3,6 @@
 use crate::codes::a001::UnknownFunction;
 use crate::codes::a003::UnknownRule;
 use crate::codes::a006::NoOverload;
-use crate::codes::a006::Respelt;
 use crate::codes::a008::WrongArity;
 use crate::codes::a036::NotImported;
 use crate::codes::w001::NotBinds;
@@ -362,72 +361,6 @@ impl Resolver<'_> {
             comparison: None,
         });
         self.invalid(span)
-    }
-
-    /// Suggests the spelling of integer arguments in the number domains of the parameters, or, if
-    /// there are several candidates, of one in the number domain of the other arguments.
-    fn respelt(
-        &self,
-        candidates: &[FunctionId],
-        arguments: &[Term],
-        roots: &[String],
-    ) -> Vec<Respelt> {
-        if let [candidate] = candidates {
-            return self.respelt_for(*candidate, arguments).unwrap_or_default();
-        }
-        let mut others = roots.iter().filter(|root| *root != "Integer");
-        let domain = others.find_map(|root| Respelt::domain(root));
-        let mut arguments = arguments.iter();
-        let first = domain
-            .and_then(|domain| arguments.find_map(|argument| self.respelt_as(argument, domain)));
-        first.into_iter().collect()
-    }
-
-    /// Returns the spellings with which all arguments fit a function, if there are any.
-    fn respelt_for(&self, function: FunctionId, arguments: &[Term]) -> Option<Vec<Respelt>> {
-        let parameters = &self.declared.functions[function.0 as usize].parameters;
-        if parameters.len() != arguments.len() {
-            return None;
-        }
-        let pairs = parameters.iter().zip(arguments);
-        let unfit = pairs.filter(|(parameter, term)| !self.compatible(**parameter, term.ty));
-        let respelt = unfit.map(|(&parameter, argument)| {
-            let root = self.declared.types.root(parameter, &self.declared.domains);
-            self.respelt_as(argument, Respelt::domain(&self.show(root))?)
-        });
-        respelt.collect()
-    }
-
-    /// Returns the spelling of an integer literal, possibly behind a minus sign, in a number domain.
-    pub fn respelt_as(&self, term: &Term, domain: &'static str) -> Option<Respelt> {
-        let negated = self.negated_literal(term);
-        let (literal, negative) = (negated.unwrap_or(term), negated.is_some());
-        let TermKind::Value(Value::Int(number @ 0..)) = *literal.kind else {
-            return None;
-        };
-        let text = match domain {
-            "Real" => format!("{number}.0"),
-            "Natural" if !negative => format!("{number}n"),
-            "Integer" => number.to_string(),
-            _ => return None,
-        };
-        Some(Respelt {
-            at: literal.span,
-            domain,
-            text,
-        })
-    }
-
-    /// Returns `t` of `-t`.
-    fn negated_literal<'t>(&self, term: &'t Term) -> Option<&'t Term> {
-        let TermKind::Apply(function, arguments) = &*term.kind else {
-            return None;
-        };
-        let function = &self.declared.functions[function.0 as usize];
-        let [operand] = arguments.as_slice() else {
-            return None;
-        };
-        (&*function.name == "minus" && function.library).then_some(operand)
     }
 
     pub fn rule_ref(&mut self, name: &ast::NameText, domains: &[ast::Type], span: Span) -> Term {

@@ -119,7 +119,7 @@ impl Resolver<'_> {
                 actual,
                 at: first.span,
                 because: None,
-                number: None,
+                numbers: Vec::new(),
             };
             self.error(error);
         }

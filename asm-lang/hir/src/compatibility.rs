@@ -3,7 +3,7 @@
 use crate::id::DomainId;
 use crate::model::{Domain, DomainKind, Model};
 use crate::types::{Type, TypeId, TypeTable};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// Name of the library's domain of all values.
 const ANY: &str = "Any";
@@ -68,20 +68,26 @@ impl TypeTable {
         id: TypeId,
         domains: &'a [Domain],
     ) -> impl Iterator<Item = TypeId> + 'a {
-        let mut seen = BTreeSet::from([id]);
-        let mut open = vec![id];
+        // most types have no parts, or few: a set would cost more than it saves
+        let (first, mut next) = (id, Some(id));
+        let (mut seen, mut open) = (Vec::new(), Vec::new());
         std::iter::from_fn(move || {
-            let id = open.pop()?;
-            let mut parts = Vec::new();
+            let id = next.take().or_else(|| open.pop())?;
+            let mut add = |part: TypeId| {
+                if part != first && !seen.contains(&part) {
+                    seen.push(part);
+                    open.push(part);
+                }
+            };
             match self.get(id) {
                 Type::Domain(domain) => {
                     if let DomainKind::Concrete { base } = domains[domain.0 as usize].kind {
-                        parts.push(base);
+                        add(base);
                     }
                 }
-                Type::Prod(items) => parts.extend(items),
-                Type::Seq(item) | Type::Powerset(item) | Type::Bag(item) => parts.push(*item),
-                Type::Map(key, value) => parts.extend([*key, *value]),
+                Type::Prod(items) => items.iter().for_each(|item| add(*item)),
+                Type::Seq(item) | Type::Powerset(item) | Type::Bag(item) => add(*item),
+                Type::Map(key, value) => [*key, *value].into_iter().for_each(add),
                 Type::Invalid
                 | Type::Undef
                 | Type::Boolean
@@ -93,7 +99,6 @@ impl TypeTable {
                 | Type::String
                 | Type::Rule => {}
             }
-            open.extend(parts.into_iter().filter(|part| seen.insert(*part)));
             Some(id)
         })
     }

@@ -219,7 +219,9 @@ impl SignatureTables {
             .map(|definition| &*definition.name.text)
             .collect();
         let mut undefined = Vec::new();
+        let mut annotations = FunctionAnnotations::of(&unit.tree);
         for function in &unit.tree.functions {
+            let annotation = annotations.before(function);
             if function.kind == FunctionKind::Local {
                 let (name, at) = (function.name.text.clone(), function.name.span);
                 self.report.push(LocalInSignature { name, at }.diagnostic());
@@ -258,7 +260,6 @@ impl SignatureTables {
                 unit.library,
                 is_defined,
             );
-            let annotation = annotation(&unit.tree, function);
             let is_element = matches!(meaning, Meaning::Missing) && parameters.is_empty();
             // the target of a reference is wired by the assembly: an element stands for it
             let is_reference =
@@ -294,6 +295,43 @@ impl SignatureTables {
                 .push(id);
         }
         undefined
+    }
+
+    /// Declares the functions of a library, for parts from outside, unless their names are visible. Returns `true` if any is declared.
+    pub fn offer_functions(&mut self, library: &ast::File) -> bool {
+        let unit = 0;
+        let visible: BTreeSet<Arc<str>> = self.scopes[unit].functions.keys().cloned().collect();
+        let functions = library.functions.iter();
+        let offered = functions.filter(|it| !visible.contains(&it.name.text));
+        let mut is_any = false;
+        for function in offered {
+            let name = &function.name;
+            let codomain = self.resolve_type(unit, &function.codomain);
+            let domain = function.domain.as_ref();
+            let parameters = domain.map_or_else(Vec::new, |it| self.parameters(unit, it));
+            let mut definitions = library.function_definitions.iter();
+            let is_defined = definitions.any(|it| it.name.text == name.text);
+            let kind = FunctionKind::Static;
+            let meaning = self.classify(kind, &name.text, &parameters, true, is_defined);
+            let id = FunctionId(self.functions.len() as u32);
+            self.functions.push(Function {
+                name: name.text.clone(),
+                kind,
+                parameters,
+                codomain,
+                meaning,
+                initial: None,
+                span: name.span,
+                declaration: function.span,
+                library: true,
+                run: None,
+                is_client: false,
+            });
+            let known = self.scopes[unit].functions.entry(name.text.clone());
+            known.or_default().push(id);
+            is_any = true;
+        }
+        is_any
     }
 
     /// Declares a `local` function, which hides others of its name until the scope is restored.
@@ -407,16 +445,16 @@ impl SignatureTables {
             .collect();
         let mut order = Vec::new();
         let mut open: Vec<DomainId> = roots.into_iter().rev().collect();
+        let mut contained: BTreeMap<DomainId, Vec<DomainId>> = BTreeMap::new();
+        for (id, domain) in self.domains.iter().enumerate().rev() {
+            let base = domain.kind.base().map(|base| self.types.get(base));
+            if let Some(base) = base.and_then(Type::as_domain) {
+                contained.entry(base).or_default().push(DomainId(id as u32));
+            }
+        }
         while let Some(domain) = open.pop() {
             order.push(domain);
-            let contained = (0..self.domains.len() as u32)
-                .rev()
-                .map(DomainId)
-                .filter(|id| {
-                    let base = self.domains[id.0 as usize].kind.base();
-                    base.is_some_and(|base| *self.types.get(base) == Type::Domain(domain))
-                });
-            open.extend(contained);
+            open.extend(contained.remove(&domain).unwrap_or_default());
         }
         for domain in order {
             for &id in by_domain.get(&domain).into_iter().flatten() {
@@ -560,19 +598,30 @@ impl SignatureTables {
     }
 }
 
-/// Returns the name of the annotation in front of a function.
-fn annotation<'a>(tree: &'a ast::File, function: &ast::Function) -> Option<&'a str> {
-    let functions = tree.functions.iter();
-    let before = functions
-        .map(|known| known.span)
-        .filter(|known| known.start < function.span.start)
-        .map(|known| known.end)
-        .max()
-        .unwrap_or(0);
-    let mut annotations = tree.annotations.iter().rev();
-    let found = annotations
-        .find(|annotation| (before..function.span.start).contains(&annotation.name.span.start));
-    found.map(|annotation| &*annotation.name.text)
+/// The annotations of a file, for its functions in source order.
+struct FunctionAnnotations<'a> {
+    all: &'a [ast::Annotation],
+    /// The end of the function before.
+    end: u32,
+}
+
+impl<'a> FunctionAnnotations<'a> {
+    fn of(tree: &'a ast::File) -> Self {
+        Self {
+            all: &tree.annotations,
+            end: 0,
+        }
+    }
+
+    /// Returns the name of the last annotation between the function before and this one.
+    fn before(&mut self, function: &ast::Function) -> Option<&'a str> {
+        let begin = std::mem::replace(&mut self.end, function.span.end);
+        let count = self
+            .all
+            .partition_point(|it| it.name.span.start < function.span.start);
+        let last = self.all.get(..count)?.last()?;
+        (last.name.span.start >= begin).then_some(&*last.name.text)
+    }
 }
 
 /// Returns `true` if an initial state defines the function.

@@ -22,11 +22,16 @@ enum Exports<'a> {
 }
 
 impl Exports<'_> {
-    fn of(tree: &ast::File) -> Exports<'_> {
-        let names = tree.export.as_ref().map(|export| export.names.as_ref());
+    /// A file whose export clause could not be read exports everything: what is wrong with it has been reported.
+    fn of(unit: &SourceUnit) -> Exports<'_> {
+        let names = unit.tree.export.as_ref();
+        let names = names.map(|export| export.names.as_ref());
+        let is_unreadable = unit.unreadable.is_some();
         match names {
+            None if is_unreadable => Exports::All,
             None => Exports::Nothing,
             Some(None) => Exports::All,
+            Some(Some(names)) if names.is_empty() && is_unreadable => Exports::All,
             Some(Some(names)) if names.is_empty() => Exports::Nothing,
             Some(Some(names)) => Exports::These(names.iter().map(|name| &*name.text).collect()),
         }
@@ -47,7 +52,7 @@ impl SignatureTables {
         let unit = &units[index];
         for &(import, from) in &unit.imports {
             let import = &unit.tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
+            let exports = Exports::of(&units[from]);
             if matches!(exports, Exports::Nothing) && units[from].tree.module {
                 let module = import.path.text.clone();
                 self.report.push(
@@ -70,7 +75,7 @@ impl SignatureTables {
     pub fn imported_literals(&mut self, units: &[SourceUnit], index: usize) {
         for &(import, from) in &units[index].imports {
             let import = &units[index].tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
+            let exports = Exports::of(&units[from]);
             let other = self.scopes[from].clone();
             let (domains, atoms) = (&self.domains, &self.atoms);
             let domain_of = |atom: Atom| &*domains[atoms[atom.0 as usize].domain.0 as usize].name;
@@ -105,7 +110,7 @@ impl SignatureTables {
         let unit = &units[index];
         for &(import, from) in &unit.imports {
             let import = &unit.tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
+            let exports = Exports::of(&units[from]);
             for name in import.names.iter().flatten() {
                 let other = &self.scopes[from];
                 let known = other.domains.contains_key(&name.text)
@@ -133,7 +138,7 @@ impl SignatureTables {
     ) {
         for &(import, from) in &units[index].imports {
             let import = &units[index].tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
+            let exports = Exports::of(&units[from]);
             let mut other = Scope::default();
             part(&mut other, &self.scopes[from]);
             self.scopes[index].import(
@@ -170,15 +175,18 @@ impl SignatureTables {
             if unit.imports.iter().any(|(loaded, _)| *loaded == at) {
                 continue;
             }
-            lost.push(LostImport {
-                failed: self.failed_imports.len(),
-                names: listed(import),
-            });
-            self.failed_imports.push(FailedImport {
-                path: import.path.text.clone(),
-                at: import.path.span,
-                names: BTreeSet::new(),
-            });
+            let shown = format!("`{}`", import.path.text).into();
+            lost.push(self.add_failed_import(shown, import.path.span, listed(import)));
+        }
+        for broken in &unit.broken_imports {
+            lost.push(self.add_failed_import(Arc::clone(&broken.shown), broken.at, None));
+        }
+        for &(import, from) in &unit.imports {
+            if let Some(at) = units[from].unreadable {
+                let import = &unit.tree.imports[import];
+                let shown = format!("`{}`", import.path.text).into();
+                lost.push(self.add_failed_import(shown, at, listed(import)));
+            }
         }
         for &(import, from) in &unit.imports {
             let Some(export) = &units[from].tree.export else {
@@ -191,6 +199,24 @@ impl SignatureTables {
             lost.extend(through);
         }
         self.lost_imports.push(lost);
+    }
+
+    /// Adds an import whose names are unknown: all of them, or those that it lists.
+    fn add_failed_import(
+        &mut self,
+        shown: Arc<str>,
+        at: Span,
+        listed: Option<BTreeSet<Arc<str>>>,
+    ) -> LostImport {
+        self.failed_imports.push(FailedImport {
+            shown,
+            at,
+            names: BTreeSet::new(),
+        });
+        LostImport {
+            failed: self.failed_imports.len() - 1,
+            names: listed,
+        }
     }
 
     /// Returns `true` if an unknown name may come from an import that could not be loaded. The

@@ -11,9 +11,9 @@ const LISTED: usize = 5;
 /// An import that could not be loaded, with the unknown names that it may declare.
 #[derive(Debug)]
 pub(crate) struct FailedImport {
-    /// The path after `import`.
-    pub path: Arc<str>,
-    /// Span of the path, as labelled by the finding about the import.
+    /// The path after `import` in backticks, or words in its place.
+    pub shown: Arc<str>,
+    /// The place that the finding about the import labels.
     pub at: Span,
     /// The unknown names of all units that may come from the import.
     pub names: BTreeSet<Arc<str>>,
@@ -67,10 +67,10 @@ impl FailedImport {
 
     fn text(&self) -> Option<String> {
         let first = self.names.first()?;
-        let path = &self.path;
+        let shown = &self.shown;
         if self.names.len() == 1 {
             return Some(format!(
-                "`{first}` may come from `{path}` and is not reported"
+                "`{first}` may come from {shown} and is not reported"
             ));
         }
         let mut listed = String::new();
@@ -86,7 +86,7 @@ impl FailedImport {
         };
         let count = self.names.len();
         Some(format!(
-            "{count} names may come from `{path}` and are not reported: {listed}{more}"
+            "{count} names may come from {shown} and are not reported: {listed}{more}"
         ))
     }
 }

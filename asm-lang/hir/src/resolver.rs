@@ -1,7 +1,6 @@
 //! The context for resolving one body: its variables, the declarations, and the report.
 
 use crate::codes::a002::UnknownVariable;
-use crate::codes::a006::Respelt;
 use crate::codes::a007::TypeMismatch;
 use crate::codes::w021::OutOfScope;
 use crate::codes::w025::IntegerForNatural;
@@ -170,10 +169,8 @@ impl<'a> Resolver<'a> {
         if self.compatible(expected, term.ty) {
             return;
         }
-        let root = self.declared.types.root(expected, &self.declared.domains);
-        let domain = Respelt::domain(&self.show(root));
-        let number = domain.and_then(|domain| self.respelt_as(term, domain));
-        if let (Some(number), true) = (&number, self.is_natural(term, expected)) {
+        let numbers = self.respelt_into(term, expected).unwrap_or_default();
+        if let ([number], true) = (&*numbers, self.is_natural(term, expected)) {
             let number = number.text.clone();
             let at = term.span;
             return self.error(IntegerForNatural { number, at });
@@ -185,7 +182,7 @@ impl<'a> Resolver<'a> {
             actual,
             at: term.span,
             because,
-            number,
+            numbers,
         });
     }
 

@@ -148,7 +148,7 @@ impl Resolver<'_> {
                 actual,
                 at: rule.span,
                 because: Some((location, "declared")),
-                number: None,
+                numbers: Vec::new(),
             };
             self.error(error);
         }

@@ -24,7 +24,7 @@ pub struct InitialMisfit {
 
 impl Machine {
     pub(crate) fn initialise(&mut self) -> Result<(), Box<StepFault>> {
-        self.scratch.updates.begin(self.state.len());
+        self.scratch.updates.begin(self.state.slot_count());
         self.state.initial.slots = self.state.store.slots.clone();
         let program = self.program.clone();
         for &initial in &program.initial_order {
@@ -180,7 +180,7 @@ impl Machine {
     /// rely on that.
     pub fn initial_misfits(&self) -> Vec<InitialMisfit> {
         let mut found: BTreeMap<FunctionId, InitialMisfit> = BTreeMap::new();
-        for slot in 0..self.state.len() as Slot {
+        for slot in 0..self.state.slot_count() as Slot {
             let function = self.state.function(&self.program, slot);
             if let Some(function) = function.filter(|function| !found.contains_key(function)) {
                 let misfit = self.initial_misfit(slot, function);

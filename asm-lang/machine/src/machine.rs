@@ -286,7 +286,7 @@ impl Machine {
     ) -> Result<(), Box<StepFault>> {
         self.rounds += 1;
         self.scratch.begin(now_ns);
-        self.scratch.updates.begin(self.state.len());
+        self.scratch.updates.begin(self.state.slot_count());
         self.state.forget_uncommitted();
         let reserve = self.state.store.reserve.len();
         self.scratch.begun_at = (self.steps, reserve);
@@ -355,7 +355,7 @@ impl Machine {
     /// Discards the last step, but keeps the coverage counters.
     pub(crate) fn forget_last_step(&mut self) {
         self.scratch.begin(0);
-        self.scratch.updates.begin(self.state.len());
+        self.scratch.updates.begin(self.state.slot_count());
     }
 
     /// Returns the last step, successful or failed; before the first step, its update set is empty.

@@ -57,7 +57,7 @@ impl Scratch {
     #[inline(never)]
     pub fn begin_directly(&mut self, steps: u64, state: &mut MachineState, now_ns: i64) {
         self.begin(now_ns);
-        self.updates.begin(state.len());
+        self.updates.begin(state.slot_count());
         state.forget_uncommitted();
         self.begun_at = (steps, state.store.reserve.len());
         // the lists are empty, and a direct step fills them with scalars unless it says otherwise

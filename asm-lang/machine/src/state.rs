@@ -162,13 +162,8 @@ impl MachineState {
     }
 
     /// Returns the number of slots, including those of interned locations.
-    pub fn len(&self) -> usize {
+    pub fn slot_count(&self) -> usize {
         self.locations.committed
-    }
-
-    /// Returns `true` if the state has no slots.
-    pub fn is_empty(&self) -> bool {
-        self.locations.committed == 0
     }
 
     /// Returns the elements of a domain, in ascending order.

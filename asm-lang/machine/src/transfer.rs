@@ -148,7 +148,7 @@ impl Machine {
 
     /// Sets the values of locations. Locations with an argument outside its domain are left out.
     fn set_locations(&mut self, all: Vec<KeptLocation>) -> Result<(), Box<StepFault>> {
-        self.scratch.updates.begin(self.state.len());
+        self.scratch.updates.begin(self.state.slot_count());
         let step = self.steps;
         self.run(&mut NoInputs, &mut FirstChoice, step, 0, |run| {
             for (function, arguments, value) in all {
@@ -321,6 +321,7 @@ fn counterparts<N: Ord>(from: &[N], to: &[N]) -> Vec<Option<usize>> {
     from.iter().map(|name| known.get(name).copied()).collect()
 }
 
+/// The counterpart of each rule. A rule that the other program never uses as a value is none: it could not be executed as one.
 fn rules(from: &Program, to: &Program) -> Vec<Option<RuleId>> {
     let named = |program: &Program| {
         let domains = program.symbols.rule_domains.iter().cloned();
@@ -328,5 +329,7 @@ fn rules(from: &Program, to: &Program) -> Vec<Option<RuleId>> {
         rules.collect::<Vec<_>>()
     };
     let found = counterparts(&named(from), &named(to)).into_iter();
+    let is_value = |rule: &usize| to.rules.get(*rule).is_some_and(|it| it.routine.is_some());
+    let found = found.map(|it| it.filter(is_value));
     found.map(|it| it.map(|it| RuleId(it as u32))).collect()
 }

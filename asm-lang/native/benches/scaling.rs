@@ -12,9 +12,12 @@
     reason = "a bench fails by panicking and prints its figures"
 )]
 
+#[path = "specifications/mod.rs"]
+mod specifications;
+
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, NoInputs, Specification};
-use std::fmt::Write;
+use specifications::{agents, chosen, listed, numbered};
 use std::time::{Duration, Instant};
 
 /// Number of turns of each measurement.
@@ -22,14 +25,6 @@ const TURNS: usize = 7;
 
 /// Approximate duration of a turn.
 const TURN: Duration = Duration::from_millis(40);
-
-/// The rule of each agent.
-const WORK: &str = "
-  rule r_work($a in Agent_) = par
-    count($a) := (count($a) * 3 + 1) mod 1009
-    if count($a) > 500 then load($a) := load($a) + 1 else load($a) := 0 endif
-  endpar
-";
 
 fn open(text: &str) -> Specification {
     let mut files = MemoryFiles::new();
@@ -73,119 +68,6 @@ fn steps(machines: &mut [Machine]) -> Vec<f64> {
         }
     }
     least
-}
-
-/// Agents that are numbers of an interval.
-fn numbered(count: u64) -> String {
-    format!(
-        "asm scaling
-import StandardLibrary
-signature:
-  domain Agent_ subsetof Integer
-  controlled count: Agent_ -> Integer
-  controlled load: Agent_ -> Integer
-definitions:
-  domain Agent_ = {{1 : {count}}}
-{WORK}
-  main rule r_Main = forall $a in Agent_ with true do r_work[$a]
-default init s0:
-  function count($a in Agent_) = $a mod 1009
-  function load($a in Agent_) = 0
-"
-    )
-}
-
-/// Agents with a program: declared, or created in the first step.
-fn agents(count: u64, is_created: bool) -> String {
-    let mut declared = String::new();
-    let mut create = String::new();
-    if is_created {
-        create = format!(
-            "if begun then forall $a in Worker with true do program($a)
-    else par begun := true forall $n in {{1 : {count}}} do extend Worker with $w do skip endpar endif"
-        );
-    } else {
-        for agent in 0..count {
-            let _ = writeln!(declared, "  static w{agent}: Worker");
-        }
-        create.push_str("forall $a in Worker with true do program($a)");
-    }
-    let work = WORK
-        .replace("r_work($a in Agent_)", "r_work")
-        .replace("$a", "self");
-    format!(
-        "asm scaling
-import StandardLibrary
-signature:
-  domain Worker subsetof Agent
-  controlled begun: Boolean
-  controlled count: Worker -> Integer
-  controlled load: Worker -> Integer
-{declared}
-definitions:
-{work}
-  main rule r_Main = {create}
-default init s0:
-  function begun = false
-  function count($a in Worker) = 1
-  function load($a in Worker) = 0
-  agent Worker: r_work[]
-"
-    )
-}
-
-/// Agents whose initial values are listed in a map.
-fn listed(count: u64) -> String {
-    let mut declared = String::new();
-    let mut pairs = Vec::new();
-    for agent in 0..count {
-        let _ = writeln!(declared, "  static w{agent}: Worker");
-        pairs.push(format!("w{agent} -> {}", agent * 7 % 1009));
-    }
-    format!(
-        "asm scaling
-import StandardLibrary
-signature:
-  abstract domain Worker
-  controlled count: Worker -> Integer
-{declared}
-definitions:
-  main rule r_Main = skip
-default init s0:
-  function count($w in Worker) = at({{{}}}, $w)
-",
-        pairs.join(", ")
-    )
-}
-
-/// Each zone chooses one of the robots that go there.
-fn chosen(robots: u64, zones: u64) -> String {
-    format!(
-        "asm scaling
-import StandardLibrary
-signature:
-  domain Robot subsetof Integer
-  domain Zone subsetof Integer
-  controlled target: Robot -> Zone
-  controlled picked: Zone -> Robot
-  controlled shift: Integer
-definitions:
-  domain Robot = {{1 : {robots}}}
-  domain Zone = {{0 : {last}}}
-  main rule r_Main = par
-    shift := (shift + 1) mod {zones}
-    forall $z in Zone with true do
-      choose $w in Robot with target($w) = $z do par
-        picked($z) := $w
-        target($w) := ($z + shift) mod {zones}
-      endpar
-  endpar
-default init s0:
-  function target($w in Robot) = $w mod {zones}
-  function shift = 1
-",
-        last = zones - 1
-    )
 }
 
 /// Prints a row, and returns `true` if the limit is kept.

@@ -257,7 +257,7 @@ fn a_state_takes_little_memory() {
     let text = include_str!("../../../benches/machines/S1_navigate.asm");
     let specification = opened(text);
     let machine = specification.machine().unwrap();
-    let slots = machine.state().len();
+    let slots = machine.state().slot_count();
     let state = machine.snapshot().into_state();
     let bytes = state.as_bytes().len() + size_of::<PackedState>();
     // in the store, each slot takes 16 bytes

@@ -1,13 +1,12 @@
 //! Binary decision diagrams, with errors in place of panics, and with exact counting.
 
 use crate::error::SymbolicError;
+use crate::operations::{Connective, DiagramOperations, Interruption, InterruptionCheck};
+use asmotion_lang::ir::Origin;
 use oxidd::bdd::{BDDFunction, BDDManagerRef};
-use oxidd::util::AllocResult;
-use oxidd::{
-    BooleanFunction, BooleanFunctionQuant, BooleanOperator, Function, FunctionSubst, HasLevel,
-    Manager, ManagerRef, Node, NodeID, Subst,
-};
+use oxidd::{BooleanFunction, Function, HasLevel, LevelNo, Manager, ManagerRef, Node, NodeID};
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::cell::Cell;
 
 /// Number of a Boolean variable; variables are ordered by it.
 pub(crate) type BitIndex = u32;
@@ -17,11 +16,22 @@ pub(crate) type BitIndex = u32;
 pub(crate) struct Bdd(BDDFunction);
 
 /// A renaming of variables.
-pub(crate) struct Renaming(Option<Subst<BDDFunction>>);
+pub(crate) struct Renaming {
+    /// The new variable of each one; those after the last one keep theirs.
+    to: Vec<LevelNo>,
+    /// Distinguishes the renamings of a store.
+    number: u32,
+}
 
 /// The store of all functions.
-pub(crate) struct BddStore {
+pub(crate) struct BddStore<'a> {
     manager: BDDManagerRef,
+    /// Asks the caller whether to go on, also while an operation runs.
+    interruption_check: InterruptionCheck<'a>,
+    /// Number of variables.
+    width: Cell<u32>,
+    /// Number of renamings.
+    renamings: Cell<u32>,
     capacity: usize,
     /// Number of nodes from which on the manager removes unused functions by itself.
     high_water: usize,
@@ -30,14 +40,21 @@ pub(crate) struct BddStore {
 }
 
 /// Bytes for an inner node, with its part of the unique table.
-const NODE_BYTES: u64 = 24;
+pub(crate) const NODE_BYTES: u64 = 24;
+
+/// Limit for the variables. Operations recurse once for each.
+const MAX_BITS: u32 = 1 << 16;
+
+/// Bytes of the stack that an operation takes at most for a variable.
+const FRAME_BYTES: usize = 1 << 10;
 
 /// Bytes for an entry of the cache of operations.
 const CACHE_ENTRY_BYTES: u64 = 28;
 
-impl BddStore {
-    /// Creates a store that takes at most this memory, in bytes.
-    pub fn new(memory: u64) -> Self {
+impl<'a> BddStore<'a> {
+    /// Creates a store that takes at most this memory, in bytes. `proceed` is called now and then with the number of nodes, and ends
+    /// operations by returning `false`.
+    pub fn new(memory: u64, proceed: &'a dyn Fn(usize) -> bool) -> Self {
         let memory = memory.clamp(4 << 20, 64 << 30);
         // a quarter for the cache of operations, rounded down to a power of two
         let entries = (memory / 4 / CACHE_ENTRY_BYTES).clamp(1 << 14, 1 << 20);
@@ -49,6 +66,9 @@ impl BddStore {
             manager.with_manager_shared(|it| (Bdd(BDDFunction::t(it)), Bdd(BDDFunction::f(it))));
         Self {
             manager,
+            interruption_check: InterruptionCheck::new(proceed),
+            width: Cell::new(0),
+            renamings: Cell::new(0),
             capacity,
             high_water: capacity / 100 * 95,
             always,
@@ -65,21 +85,33 @@ impl BddStore {
     }
 
     /// Adds variables after the existing ones; returns the number of the first.
-    pub fn add_bits(&self, count: u32) -> BitIndex {
+    pub fn add_bits(&self, count: u32) -> Result<BitIndex, SymbolicError> {
+        let width = self.width.get().saturating_add(count);
+        if width > MAX_BITS {
+            let construct = "a specification with this many locations and inputs";
+            return Err(SymbolicError::unsupported(Origin::default(), construct));
+        }
+        self.width.set(width);
         let added = self.manager.with_manager_exclusive(|it| it.add_vars(count));
-        added.start
+        Ok(added.start)
+    }
+
+    /// Returns `true` if there are many variables.
+    pub fn is_wide(&self) -> bool {
+        self.width.get() > MAX_BITS / 4
     }
 
     /// Returns the function that is true if the variable has this value.
     pub fn bit(&self, bit: BitIndex, value: bool) -> Result<Bdd, SymbolicError> {
         self.run(|| {
-            self.manager.with_manager_shared(|it| {
+            let function = self.manager.with_manager_shared(|it| {
                 if value {
                     BDDFunction::var(it, bit)
                 } else {
                     BDDFunction::not_var(it, bit)
                 }
-            })
+            });
+            Ok(function?)
         })
     }
 
@@ -99,20 +131,37 @@ impl BddStore {
     /// The manager has a thread that removes unused functions while an operation runs, from a number of nodes on. Whether an
     /// operation that reaches this number succeeds depends on the speed of that thread. It is therefore considered to have failed,
     /// so that every run comes to the same result.
-    fn run(&self, operation: impl Fn() -> AllocResult<BDDFunction>) -> Result<Bdd, SymbolicError> {
+    fn run(
+        &self,
+        operation: impl Fn() -> Result<BDDFunction, Interruption>,
+    ) -> Result<Bdd, SymbolicError> {
         // the thread may still be busy with the attempt before the last one
         for _ in 0..3 {
             let collections = self.collections();
-            let function = operation();
+            let function = self.deep(&operation);
             let is_full = self.nodes() >= self.high_water || self.collections() != collections;
-            if let Ok(function) = function
-                && !is_full
-            {
-                return Ok(Bdd(function));
+            match function {
+                Ok(function) if !is_full => return Ok(Bdd(function)),
+                Err(Interruption::Stopped) => return Err(SymbolicError::Stopped),
+                Ok(_) | Err(Interruption::Memory) => self.collect(),
             }
-            self.collect();
         }
         Err(SymbolicError::Memory)
+    }
+
+    /// Executes a recursion over the variables with a sufficient stack.
+    fn deep<T>(&self, recursion: impl FnOnce() -> T) -> T {
+        let bytes = (self.width.get() as usize + 64) * FRAME_BYTES;
+        stacker::maybe_grow(bytes, bytes * 2, recursion)
+    }
+
+    /// Asks whether to go on.
+    ///
+    /// # Errors
+    /// The answer is no.
+    pub fn check(&self) -> Result<(), SymbolicError> {
+        let answer = self.interruption_check.ask(self.nodes());
+        answer.map_err(|_| SymbolicError::Stopped)
     }
 
     /// Removes unused functions.
@@ -145,34 +194,69 @@ impl BddStore {
     }
 
     pub fn not(&self, of: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| of.0.not())
+        self.run(|| {
+            of.0.with_manager_shared(|manager, of| {
+                let done = DiagramOperations::begin(manager, &self.interruption_check)?.not(of)?;
+                Ok(BDDFunction::from_edge(manager, done))
+            })
+        })
+    }
+
+    fn connect(
+        &self,
+        connective: Connective,
+        left: &Bdd,
+        right: &Bdd,
+    ) -> Result<Bdd, SymbolicError> {
+        self.run(|| {
+            left.0.with_manager_shared(|manager, left| {
+                let right = right.0.as_edge(manager);
+                let operations = DiagramOperations::begin(manager, &self.interruption_check)?;
+                let done = operations.connect(connective, left, right)?;
+                Ok(BDDFunction::from_edge(manager, done))
+            })
+        })
     }
 
     pub fn and(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| left.0.and(&right.0))
+        self.connect(Connective::And, left, right)
     }
 
     pub fn or(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| left.0.or(&right.0))
+        self.connect(Connective::Or, left, right)
     }
 
     /// Returns `left` without `right`.
     pub fn without(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| right.0.imp_strict(&left.0))
+        self.connect(Connective::Without, right, left)
     }
 
     pub fn same(&self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| left.0.equiv(&right.0))
+        self.connect(Connective::Same, left, right)
     }
 
     /// Returns the function that is true if `of` is for some values of the variables.
     pub fn exists(&self, of: &Bdd, bits: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| of.0.exists(&bits.0))
+        self.run(|| {
+            of.0.with_manager_shared(|manager, of| {
+                let bits = bits.0.as_edge(manager);
+                let done = DiagramOperations::begin(manager, &self.interruption_check)?
+                    .exists(of, bits)?;
+                Ok(BDDFunction::from_edge(manager, done))
+            })
+        })
     }
 
     /// Returns `exists(and(left, right), bits)`.
     pub fn and_exists(&self, left: &Bdd, right: &Bdd, bits: &Bdd) -> Result<Bdd, SymbolicError> {
-        self.run(|| left.0.apply_exists(BooleanOperator::And, &right.0, &bits.0))
+        self.run(|| {
+            left.0.with_manager_shared(|manager, left| {
+                let (right, bits) = (right.0.as_edge(manager), bits.0.as_edge(manager));
+                let operations = DiagramOperations::begin(manager, &self.interruption_check)?;
+                let done = operations.and_exists(left, right, bits)?;
+                Ok(BDDFunction::from_edge(manager, done))
+            })
+        })
     }
 
     /// Returns the disjunction of functions.
@@ -185,23 +269,27 @@ impl BddStore {
     }
 
     /// Returns the renaming of each first variable to the second one.
-    pub fn renaming(&self, pairs: &[(BitIndex, BitIndex)]) -> Result<Renaming, SymbolicError> {
-        if pairs.is_empty() {
-            return Ok(Renaming(None));
+    pub fn renaming(&self, pairs: &[(BitIndex, BitIndex)]) -> Renaming {
+        let end = pairs.iter().map(|(from, _)| from + 1).max();
+        let mut to: Vec<LevelNo> = (0..end.unwrap_or(0)).collect();
+        for (from, bit) in pairs {
+            if let Some(place) = to.get_mut(*from as usize) {
+                *place = *bit;
+            }
         }
-        let from: Vec<BitIndex> = pairs.iter().map(|(from, _)| *from).collect();
-        let mut to = Vec::with_capacity(pairs.len());
-        for (_, bit) in pairs {
-            to.push(self.bit(*bit, true)?.0);
-        }
-        Ok(Renaming(Some(Subst::new(from, to))))
+        let number = self.renamings.get();
+        self.renamings.set(number + 1);
+        Renaming { to, number }
     }
 
     pub fn rename(&self, of: &Bdd, renaming: &Renaming) -> Result<Bdd, SymbolicError> {
-        match &renaming.0 {
-            None => Ok(of.clone()),
-            Some(renaming) => self.run(|| of.0.substitute(renaming)),
-        }
+        self.run(|| {
+            of.0.with_manager_shared(|manager, of| {
+                let operations = DiagramOperations::begin(manager, &self.interruption_check)?;
+                let done = operations.rename(of, &renaming.to, renaming.number)?;
+                Ok(BDDFunction::from_edge(manager, done))
+            })
+        })
     }
 
     /// Returns the number of assignments of these variables, in ascending order, for which the function is true; it depends on no
@@ -209,8 +297,9 @@ impl BddStore {
     pub fn count(&self, of: &Bdd, bits: &[BitIndex]) -> Option<u128> {
         let positions: FxHashMap<BitIndex, u32> = bits.iter().copied().zip(0_u32..).collect();
         let mut known = FxHashMap::default();
-        let (count, position) =
-            self.count_below(&of.0, &positions, bits.len() as u32, &mut known)?;
+        let end = bits.len() as u32;
+        let counted = self.deep(|| self.count_below(&of.0, &positions, end, &mut known));
+        let (count, position) = counted?;
         scaled(count, position)
     }
 
@@ -237,6 +326,11 @@ impl BddStore {
         }
         known.insert(id, count);
         Some((count, position))
+    }
+
+    /// Returns the number of nodes of a function.
+    pub fn size(&self, of: &Bdd) -> usize {
+        self.deep(|| of.0.node_count())
     }
 
     /// Returns the variables on which a function depends, in ascending order.
@@ -286,11 +380,6 @@ impl Bdd {
     /// Returns `true` if the function is true everywhere.
     pub fn is_always(&self) -> bool {
         self.0.valid()
-    }
-
-    /// Returns the number of nodes.
-    pub fn size(&self) -> usize {
-        self.0.node_count()
     }
 
     /// Returns the value for an assignment, in which other variables are false.

@@ -30,7 +30,7 @@ impl Code {
 
     /// Adds variables for this number of values.
     pub fn add(store: &BddStore, count: usize) -> Result<Self, SymbolicError> {
-        let first = store.add_bits(width(count));
+        let first = store.add_bits(width(count))?;
         let bits = (first..).take(width(count) as usize).collect();
         Self::of(store, bits, count)
     }
@@ -71,7 +71,7 @@ impl SlotCode {
     /// Adds variables; those of the current and the next state alternate.
     pub fn add(store: &BddStore, values: Vec<Value>) -> Result<Self, SymbolicError> {
         let width = width(values.len());
-        let first = store.add_bits(2 * width);
+        let first = store.add_bits(2 * width)?;
         let bits = |offset: u32| (0..width).map(|place| first + 2 * place + offset).collect();
         let now = Code::of(store, bits(0), values.len())?;
         let then = Code::of(store, bits(1), values.len())?;
@@ -113,10 +113,27 @@ pub(crate) struct InputCode {
     pub free: Option<Code>,
 }
 
+impl InputCode {
+    /// Returns the same input with new variables.
+    pub fn coded_again(&self, store: &BddStore) -> Result<Self, SymbolicError> {
+        let add = |code: &Option<Code>| {
+            let count = code.as_ref().map(|it| it.values.len());
+            count.map(|count| Code::add(store, count)).transpose()
+        };
+        Ok(Self {
+            values: self.values.clone(),
+            known: add(&self.known)?,
+            free: add(&self.free)?,
+        })
+    }
+}
+
 /// The inputs that steps and conditions read.
 #[derive(Default)]
 pub(crate) struct Inputs {
     pub all: Vec<InputCode>,
+    /// An input with arguments has got variables after those of all locations.
+    pub is_late: bool,
     numbers: BTreeMap<(FunctionId, Vec<Value>), usize>,
 }
 
@@ -140,6 +157,18 @@ impl Inputs {
         });
         self.numbers.insert(key, number);
         Some(number)
+    }
+
+    /// Adds an input that is not known.
+    pub fn add(&mut self, function: FunctionId, arguments: Vec<Value>, input: InputCode) {
+        self.numbers.insert((function, arguments), self.all.len());
+        self.all.push(input);
+    }
+
+    /// Returns the inputs with their locations, in ascending order.
+    pub fn named(&self) -> impl Iterator<Item = (&(FunctionId, Vec<Value>), &InputCode)> {
+        let numbers = self.numbers.iter();
+        numbers.filter_map(|(location, number)| Some((location, self.all.get(*number)?)))
     }
 
     /// Returns the number of an input that is known.

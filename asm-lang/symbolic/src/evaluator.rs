@@ -42,7 +42,7 @@ pub(crate) struct MadeChoice {
 
 /// A symbolic evaluation.
 pub(crate) struct Evaluator<'a> {
-    pub store: &'a BddStore,
+    pub store: &'a BddStore<'a>,
     pub program: &'a Program,
     pub machine: &'a Machine,
     pub slots: &'a Slots,
@@ -72,7 +72,7 @@ pub(crate) struct Evaluator<'a> {
 
 impl<'a> Evaluator<'a> {
     pub fn new(
-        store: &'a BddStore,
+        store: &'a BddStore<'a>,
         machine: &'a Machine,
         slots: &'a Slots,
         inputs: &'a mut Inputs,
@@ -229,13 +229,16 @@ impl<'a> Evaluator<'a> {
         let store = self.store;
         let input = self.inputs.all.get_mut(number).ok_or_else(unknown)?;
         let count = input.values.len();
-        if self.is_condition {
-            if input.known.is_none() {
-                input.known = Some(Code::add(store, count + 1)?);
-            }
-        } else if input.free.is_none() {
-            input.free = Some(Code::add(store, count)?);
+        let (code, codes) = if self.is_condition {
+            (&mut input.known, count + 1)
+        } else {
+            (&mut input.free, count)
+        };
+        if code.is_none() {
+            *code = Some(Code::add(store, codes)?);
+            self.inputs.is_late |= !arguments.is_empty();
         }
+        let input = self.inputs.all.get(number).ok_or_else(unknown)?;
         let mut read = Guarded::default();
         let mut new = path.clone();
         for (index, value) in input.values.iter().enumerate() {

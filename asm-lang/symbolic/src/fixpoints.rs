@@ -16,22 +16,16 @@ pub(crate) type Predecessors<'a> = &'a dyn Fn(&Bdd) -> Result<Bdd, SymbolicError
 
 /// A total relation between nodes, and the paths that count.
 pub(crate) struct Fixpoints<'a> {
-    pub store: &'a BddStore,
+    pub store: &'a BddStore<'a>,
     pub nodes: Bdd,
     pub predecessors: Predecessors<'a>,
     pub fairness: &'a [FairSet],
-    /// Called before each step of a fixpoint; ends it by returning `false`.
-    pub proceed: &'a dyn Fn() -> bool,
 }
 
 impl Fixpoints<'_> {
     fn check(&self) -> Result<(), SymbolicError> {
         self.store.tidy();
-        if (self.proceed)() {
-            Ok(())
-        } else {
-            Err(SymbolicError::Stopped)
-        }
+        self.store.check()
     }
 
     /// `EX set`, without fairness.

@@ -16,7 +16,7 @@ enum Elementary {
 
 /// The tableau of a formula.
 pub(crate) struct Tableau<'a> {
-    store: &'a BddStore,
+    store: &'a BddStore<'a>,
     atoms: &'a [Bdd],
     /// Each variable with its bit, and the function that it announces or recalls.
     variables: Vec<(Elementary, BitIndex, Bdd)>,
@@ -25,7 +25,7 @@ pub(crate) struct Tableau<'a> {
 }
 
 impl<'a> Tableau<'a> {
-    pub fn new(store: &'a BddStore, atoms: &'a [Bdd]) -> Self {
+    pub fn new(store: &'a BddStore<'a>, atoms: &'a [Bdd]) -> Self {
         Self {
             store,
             atoms,
@@ -35,14 +35,14 @@ impl<'a> Tableau<'a> {
     }
 
     fn elementary(&mut self, kind: Elementary, of: Bdd) -> Result<Bdd, SymbolicError> {
-        let bit = self.store.add_bits(1);
+        let bit = self.store.add_bits(1)?;
         self.variables.push((kind, bit, of));
         self.store.bit(bit, true)
     }
 
     /// `left U right`: now, or left now and again in the next node.
     fn until(&mut self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
-        let bit = self.store.add_bits(1);
+        let bit = self.store.add_bits(1)?;
         let next = self.store.bit(bit, true)?;
         let holds = self.store.or(right, &self.store.and(left, &next)?)?;
         self.variables.push((Elementary::Next, bit, holds.clone()));
@@ -53,7 +53,7 @@ impl<'a> Tableau<'a> {
 
     /// `left S right`: now, or left now and already in the previous node.
     fn since(&mut self, left: &Bdd, right: &Bdd) -> Result<Bdd, SymbolicError> {
-        let bit = self.store.add_bits(1);
+        let bit = self.store.add_bits(1)?;
         let previous = self.store.bit(bit, true)?;
         let holds = self.store.or(right, &self.store.and(left, &previous)?)?;
         let kind = Elementary::Previous(false);
@@ -187,7 +187,6 @@ impl<'a> Tableau<'a> {
             nodes: graph.nodes.clone(),
             predecessors: &predecessors,
             fairness: &fairness,
-            proceed: graph.proceed,
         };
         let fair = fixpoints.globally(&graph.nodes)?;
         let mut found = store.and(&store.and(initial, &holds)?, &fair)?;
@@ -218,14 +217,14 @@ impl Product {
         store: &BddStore,
         variables: &[(Elementary, BitIndex, Bdd)],
     ) -> Result<Self, SymbolicError> {
-        let first = store.add_bits(variables.len() as u32);
+        let first = store.add_bits(variables.len() as u32)?;
         let earlier = |index: usize| first + index as u32;
         let pairs: Vec<(BitIndex, BitIndex)> = variables
             .iter()
             .enumerate()
             .map(|(index, (_, bit, _))| (*bit, earlier(index)))
             .collect();
-        let to_earlier = store.renaming(&pairs)?;
+        let to_earlier = store.renaming(&pairs);
         let reversed: Vec<(BitIndex, BitIndex)> = pairs
             .iter()
             .map(|(bit, earlier)| (*earlier, *bit))
@@ -252,7 +251,7 @@ impl Product {
             recalled,
             next: store.bits(&next)?,
             previous: store.bits(&previous)?,
-            to_current: store.renaming(&reversed)?,
+            to_current: store.renaming(&reversed),
         })
     }
 

@@ -1,7 +1,7 @@
 //! A program as a transition system over Boolean variables.
 
-use crate::bdd::{Bdd, BddStore, BitIndex};
-use crate::encoding::{Inputs, SlotCode, Slots};
+use crate::bdd::{Bdd, BddStore, BitIndex, NODE_BYTES};
+use crate::encoding::{InputCode, Inputs, SlotCode, Slots};
 use crate::error::SymbolicError;
 use crate::evaluator::{Evaluator, GuardedFault, InputValues};
 use crate::moves::Moves;
@@ -36,8 +36,8 @@ impl NodeSet {
 }
 
 /// A program as a transition system.
-pub struct SymbolicModel {
-    pub(crate) store: BddStore,
+pub struct SymbolicModel<'a> {
+    pub(crate) store: BddStore<'a>,
     pub(crate) slots: Slots,
     pub(crate) inputs: Inputs,
     pub(crate) moves: Vec<Moves>,
@@ -69,18 +69,20 @@ pub struct ModelSource<'a> {
     pub assumed: &'a [usize],
     /// Memory that the diagrams may take, in bytes.
     pub memory: u64,
+    /// Called now and then, also while a set is computed, with the number of nodes of all diagrams; ends the computation by returning
+    /// `false`.
+    pub proceed: &'a dyn Fn(usize) -> bool,
 }
 
-impl SymbolicModel {
+impl<'a> SymbolicModel<'a> {
+    /// Memory for a node of a diagram, in bytes.
+    pub const NODE_BYTES: u64 = NODE_BYTES;
+
     /// Builds the transition system of a program.
     ///
     /// # Errors
-    /// A construct has no representation, the values of an input cannot be enumerated, the memory is full, or `proceed` returns
-    /// `false`.
-    pub fn of(
-        source: &ModelSource<'_>,
-        proceed: &mut dyn FnMut() -> bool,
-    ) -> Result<Self, SymbolicError> {
+    /// A construct has no representation, the values of an input cannot be enumerated, the memory is full, or the caller ends it.
+    pub fn of(source: &ModelSource<'a>) -> Result<Self, SymbolicError> {
         let program = source.machine.program();
         if program.compatible {
             let construct = "a program compatible with the reference";
@@ -91,18 +93,20 @@ impl SymbolicModel {
             return Err(SymbolicError::unsupported(Origin::default(), construct));
         }
         let mut ranges: BTreeMap<Slot, Vec<Value>> = BTreeMap::new();
-        let mut store = BddStore::new(source.memory);
+        let mut inputs = Inputs::default();
+        let mut store = BddStore::new(source.memory, source.proceed);
         for round in 0..MAX_ROUNDS {
-            if !proceed() {
-                return Err(SymbolicError::Stopped);
+            store.check()?;
+            if round.is_multiple_of(16) || store.is_wide() {
+                store = BddStore::new(source.memory, source.proceed);
             }
-            if round.is_multiple_of(16) {
-                store = BddStore::new(source.memory);
-            }
-            let slots = coded(&store, source.machine, &ranges)?;
-            match Attempt::of(&store, source, &slots)? {
+            let (slots, coded) = coded(&store, source.machine, &ranges, &inputs)?;
+            match Attempt::of(&store, source, &slots, coded)? {
                 Ok(attempt) => return attempt.model(store, slots, source),
-                Err(escaped) => grow(source.machine, &mut ranges, escaped)?,
+                Err((escaped, read)) => {
+                    grow(source.machine, &mut ranges, escaped)?;
+                    inputs = read;
+                }
             }
         }
         let construct = "a location with this many values";
@@ -164,45 +168,63 @@ fn grow(
     Ok(())
 }
 
-/// Adds variables for locations. Those with the same arguments, as for one agent, are next to each other.
+/// A location or an input that gets variables.
+enum Coded<'r> {
+    Slot(Slot, &'r [Value]),
+    Input(FunctionId, &'r [Value], &'r InputCode),
+}
+
+/// Adds variables for locations, and for the inputs with arguments that the last attempt has read. Those with the same arguments, as for
+/// one agent, are next to each other.
 fn coded(
     store: &BddStore,
     machine: &Machine,
     ranges: &BTreeMap<Slot, Vec<Value>>,
-) -> Result<Slots, SymbolicError> {
+    read: &Inputs,
+) -> Result<(Slots, Inputs), SymbolicError> {
     let program = machine.program();
-    let mut order: Vec<_> = ranges
-        .iter()
-        .map(|(slot, values)| {
-            let location = machine.state().location(program, *slot);
-            let (function, arguments) = location.unwrap_or((FunctionId(0), Vec::new()));
-            let shape = |id: usize| {
-                program
-                    .functions
-                    .get(id)
-                    .and_then(|it| it.parameters.first())
-            };
-            let own = shape(function.0 as usize);
-            let group = (0..program.functions.len()).find(|id| shape(*id) == own);
-            (
-                arguments.is_empty(),
-                group,
-                arguments.first().cloned(),
-                function,
-                *slot,
-                values,
-            )
-        })
-        .map(|(is_single, group, first, function, slot, values)| {
-            ((!is_single, group, first, function, slot), values)
-        })
-        .collect();
-    order.sort_by(|left, right| left.0.cmp(&right.0));
-    let mut slots = Slots::new();
-    for ((.., slot), values) in order {
-        slots.insert(slot, SlotCode::add(store, values.clone())?);
+    let group = |function: FunctionId| {
+        let shape = |id: usize| {
+            let function = program.functions.get(id);
+            function.and_then(|it| it.parameters.first())
+        };
+        let own = shape(function.0 as usize);
+        (0..program.functions.len()).find(|id| shape(*id) == own)
+    };
+    let mut order = Vec::new();
+    for (slot, values) in ranges {
+        let location = machine.state().location(program, *slot);
+        let (function, arguments) = location.unwrap_or((FunctionId(0), Vec::new()));
+        let first = arguments.first().cloned();
+        let key = (
+            first.is_some(),
+            group(function),
+            first,
+            function,
+            Some(*slot),
+        );
+        order.push((key, Coded::Slot(*slot, values)));
     }
-    Ok(slots)
+    for ((function, arguments), input) in read.named() {
+        // others get variables after those of all locations when they are read
+        if let Some(first) = arguments.first() {
+            let key = (true, group(*function), Some(first.clone()), *function, None);
+            order.push((key, Coded::Input(*function, arguments, input)));
+        }
+    }
+    order.sort_by(|left, right| left.0.cmp(&right.0));
+    let (mut slots, mut inputs) = (Slots::new(), Inputs::default());
+    for (_, coded) in order {
+        match coded {
+            Coded::Slot(slot, values) => {
+                slots.insert(slot, SlotCode::add(store, values.to_vec())?);
+            }
+            Coded::Input(function, arguments, input) => {
+                inputs.add(function, arguments.to_vec(), input.coded_again(store)?);
+            }
+        }
+    }
+    Ok((slots, inputs))
 }
 
 /// An evaluation of a program with variables for some values.
@@ -216,34 +238,25 @@ struct Attempt {
 }
 
 impl Attempt {
-    /// Evaluates conditions and steps; returns the values without a representation if there are any.
+    /// Evaluates conditions and steps. If there are values without a representation, or inputs that do not have their place yet, it
+    /// returns the values and the inputs that were read.
     fn of(
         store: &BddStore,
         source: &ModelSource<'_>,
         slots: &Slots,
-    ) -> Result<Result<Self, Escaped>, SymbolicError> {
+        mut inputs: Inputs,
+    ) -> Result<Result<Self, (Escaped, Inputs)>, SymbolicError> {
         let program = source.machine.program();
-        let mut inputs = Inputs::default();
         let ranges: InputValues<'_> = source.ranges;
         let mut evaluator = Evaluator::new(store, source.machine, slots, &mut inputs, ranges);
         evaluator.is_condition = true;
-        let mut conditions = Vec::new();
-        for term in source.conditions {
-            evaluator.stopped = store.never();
-            let Some(body) = program.added_terms.get(term.0 as usize) else {
-                continue;
-            };
-            let value =
-                evaluator.call_body(*body, Vec::new(), Origin::default(), &store.always())?;
-            let never = || store.never();
-            conditions.push(Condition {
-                yes: value.get(&Value::Bool(true)).cloned().unwrap_or_else(never),
-                undef: value.get(&Value::Undef).cloned().unwrap_or_else(never),
-                fails: evaluator.stopped.clone(),
-            });
-        }
+        let conditions = evaluated(&mut evaluator, source)?;
         let read = std::mem::take(&mut evaluator.reads);
-        let consistent = consistent(store, evaluator.inputs, &read)?;
+        if inputs.is_late {
+            // diagrams of rules that read them could be large
+            return Ok(Err((Escaped::new(), inputs)));
+        }
+        let consistent = consistent(store, &inputs, &read)?;
         let mut evaluator = Evaluator::new(store, source.machine, slots, &mut inputs, ranges);
         let mut alternatives = Vec::new();
         let main = program
@@ -254,10 +267,10 @@ impl Attempt {
             evaluator.alternatives(&main.code, &store.always(), &mut alternatives)?;
             evaluator.leave();
         }
-        if !evaluator.escaped.is_empty() {
-            return Ok(Err(evaluator.escaped));
+        let (faults, counted, escaped) = (evaluator.faults, evaluator.counted, evaluator.escaped);
+        if !escaped.is_empty() || inputs.is_late {
+            return Ok(Err((escaped, inputs)));
         }
-        let (faults, counted) = (evaluator.faults, evaluator.counted);
         let mut moves = Vec::new();
         for alternative in &alternatives {
             moves.push(Moves::of(store, slots, &inputs, alternative)?);
@@ -276,12 +289,12 @@ impl Attempt {
         }))
     }
 
-    fn model(
+    fn model<'a>(
         self,
-        store: BddStore,
+        store: BddStore<'a>,
         slots: Slots,
         source: &ModelSource<'_>,
-    ) -> Result<SymbolicModel, SymbolicError> {
+    ) -> Result<SymbolicModel<'a>, SymbolicError> {
         let mut valid = self.consistent.clone();
         for index in source.assumed {
             if let Some(condition) = self.conditions.get(*index) {
@@ -317,6 +330,30 @@ impl Attempt {
             known,
         })
     }
+}
+
+/// Evaluates the conditions.
+fn evaluated(
+    evaluator: &mut Evaluator<'_>,
+    source: &ModelSource<'_>,
+) -> Result<Vec<Condition>, SymbolicError> {
+    let store = evaluator.store;
+    let mut conditions = Vec::new();
+    for term in source.conditions {
+        evaluator.stopped = store.never();
+        let program = source.machine.program();
+        let Some(body) = program.added_terms.get(term.0 as usize) else {
+            continue;
+        };
+        let value = evaluator.call_body(*body, Vec::new(), Origin::default(), &store.always())?;
+        let never = || store.never();
+        conditions.push(Condition {
+            yes: value.get(&Value::Bool(true)).cloned().unwrap_or_else(never),
+            undef: value.get(&Value::Undef).cloned().unwrap_or_else(never),
+            fails: evaluator.stopped.clone(),
+        });
+    }
+    Ok(conditions)
 }
 
 /// Returns the combinations of a state and inputs in which exactly the inputs that conditions read are known.

@@ -106,8 +106,8 @@ impl Moves {
         decided.dedup();
         Ok(Self {
             parts,
-            to_now: store.renaming(&pairs)?,
-            to_then: store.renaming(&reversed)?,
+            to_now: store.renaming(&pairs),
+            to_then: store.renaming(&reversed),
             updates: store.and(&updates, &alternative.path)?,
             changes: store.and(&changes, &alternative.path)?,
             canonical,
@@ -139,6 +139,20 @@ impl Moves {
         Ok(found)
     }
 
+    /// Returns the steps from these nodes to these states, with their inputs and choices.
+    pub fn between(
+        &self,
+        store: &BddStore,
+        nodes: &Bdd,
+        states: &Bdd,
+    ) -> Result<Bdd, SymbolicError> {
+        let mut found = nodes.clone();
+        for (part, ..) in &self.parts {
+            found = store.and(&found, part)?;
+        }
+        store.and(&found, &store.rename(states, &self.to_then)?)
+    }
+
     /// Returns the executions that update a location, from one of these nodes, with their inputs and choices.
     pub fn executions(&self, store: &BddStore, nodes: &Bdd) -> Result<Bdd, SymbolicError> {
         store.and(&store.and(nodes, &self.updates)?, &self.canonical)
@@ -150,10 +164,10 @@ fn clustered(store: &BddStore, relations: Vec<Bdd>) -> Result<Vec<Bdd>, Symbolic
     let mut clusters: Vec<Bdd> = Vec::new();
     for relation in relations {
         if let Some(last) = clusters.last_mut()
-            && last.size().saturating_add(relation.size()) < CLUSTER
+            && store.size(last).saturating_add(store.size(&relation)) < CLUSTER
         {
             let both = store.and(last, &relation)?;
-            if both.size() < CLUSTER {
+            if store.size(&both) < CLUSTER {
                 *last = both;
                 continue;
             }

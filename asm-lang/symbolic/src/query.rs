@@ -54,9 +54,11 @@ pub struct SymbolicFault {
     pub class: FaultClass,
     /// The nodes in which a step can fail in this way.
     pub nodes: NodeSet,
+    /// The nodes with the inputs and choices of such a step.
+    pub(crate) cases: Bdd,
 }
 
-impl SymbolicModel {
+impl SymbolicModel<'_> {
     /// Returns the memory in use for diagrams, in bytes.
     pub fn memory(&self) -> u64 {
         self.store.memory()
@@ -69,7 +71,7 @@ impl SymbolicModel {
     /// Returns the reached nodes in which a condition is true.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn condition(&self, reached: &Reached, index: usize) -> Result<NodeSet, SymbolicError> {
         match self.conditions.get(index) {
             Some(condition) => self.store.and(&condition.yes, &reached.nodes).map(NodeSet),
@@ -85,7 +87,7 @@ impl SymbolicModel {
     /// Returns the reached nodes outside a set.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn complement(&self, reached: &Reached, set: &NodeSet) -> Result<NodeSet, SymbolicError> {
         self.store.without(&reached.nodes, &set.0).map(NodeSet)
     }
@@ -93,7 +95,7 @@ impl SymbolicModel {
     /// Returns the nodes in both sets.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn intersection(&self, left: &NodeSet, right: &NodeSet) -> Result<NodeSet, SymbolicError> {
         self.store.and(&left.0, &right.0).map(NodeSet)
     }
@@ -101,7 +103,7 @@ impl SymbolicModel {
     /// Returns the nodes in one of the sets.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn union(&self, left: &NodeSet, right: &NodeSet) -> Result<NodeSet, SymbolicError> {
         self.or(&[left, right])
     }
@@ -109,7 +111,7 @@ impl SymbolicModel {
     /// Returns the number of nodes at which a condition is undef, and `true` if its evaluation fails somewhere.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn undefined(&self, reached: &Reached, index: usize) -> Result<(u64, bool), SymbolicError> {
         let Some(condition) = self.conditions.get(index) else {
             return Ok((0, false));
@@ -127,7 +129,7 @@ impl SymbolicModel {
     /// Returns the reached nodes in which the evaluation of a condition fails.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn failing(&self, reached: &Reached, index: usize) -> Result<NodeSet, SymbolicError> {
         match self.conditions.get(index) {
             Some(condition) => self
@@ -141,7 +143,7 @@ impl SymbolicModel {
     /// Counts states and transitions.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn counts(&self, reached: &Reached) -> Result<ReachedCounts, SymbolicError> {
         let narrow = |count: Option<u128>| count.and_then(|it| u64::try_from(it).ok());
         let mut transitions = Some(1_u128);
@@ -167,7 +169,7 @@ impl SymbolicModel {
     /// Returns the faults that steps from the reached nodes can have.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn faults(&self, reached: &Reached) -> Result<Vec<SymbolicFault>, SymbolicError> {
         let mut found = Vec::new();
         for fault in &self.faults {
@@ -177,6 +179,7 @@ impl SymbolicModel {
                     origin: fault.origin,
                     class: fault.class,
                     nodes: NodeSet(self.only_nodes(&nodes)?),
+                    cases: nodes,
                 });
             }
         }
@@ -194,7 +197,7 @@ impl SymbolicModel {
     /// Returns the nodes of the states in which nothing changes, whatever the inputs and choices.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn stuck(&self, reached: &Reached) -> Result<NodeSet, SymbolicError> {
         let mut moving = self.store.never();
         let changes = self.moves.iter().map(|moves| &moves.changes);
@@ -211,7 +214,7 @@ impl SymbolicModel {
     /// states must be reached.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn ends(&self, reached: &Reached) -> Result<Option<u64>, SymbolicError> {
         let leaving = self.only_nodes(&self.before(&reached.nodes)?)?;
         let ends = self.store.without(&reached.nodes, &leaving)?;
@@ -222,7 +225,7 @@ impl SymbolicModel {
     /// Returns for each counted rule whether a step from a reached node runs it; other counters have no entry.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn executed(&self, reached: &Reached) -> Result<Vec<(u32, bool)>, SymbolicError> {
         let mut executed = Vec::new();
         for (counter, guard) in &self.counted {
@@ -232,16 +235,15 @@ impl SymbolicModel {
         Ok(executed)
     }
 
-    /// Checks a temporal formula in the initial nodes. All states must be reached. `proceed` ends the check by returning `false`.
+    /// Checks a temporal formula in the initial nodes. All states must be reached.
     ///
     /// # Errors
-    /// The memory is full, or `proceed` returned `false`.
+    /// The memory is full, or the caller ended it.
     pub fn check(
         &self,
         reached: &Reached,
         formula: &SymbolicFormula<'_>,
         fairness: &[SymbolicFairness],
-        proceed: &dyn Fn() -> bool,
     ) -> Result<SymbolicVerdict, SymbolicError> {
         let nodes = &reached.nodes;
         let atoms: Vec<Bdd> = self.conditions.iter().map(|it| it.yes.clone()).collect();
@@ -266,7 +268,6 @@ impl SymbolicModel {
             nodes: nodes.clone(),
             predecessors: &predecessors,
             fairness: &fairness,
-            proceed,
         };
         let initial = self.store.and(&self.initial, nodes)?;
         let fair = graph.fair()?;
@@ -312,7 +313,7 @@ impl SymbolicModel {
     /// Returns the nodes on the shortest paths to a set: those after each number of steps. `None` if no reached node is in the set.
     ///
     /// # Errors
-    /// The memory is full.
+    /// The memory is full, or the caller ended it.
     pub fn shortest(
         &self,
         reached: &Reached,

@@ -38,7 +38,7 @@ pub struct Reached {
     pub limit: Option<SearchLimit>,
 }
 
-impl SymbolicModel {
+impl SymbolicModel<'_> {
     /// Finds the states that can be reached, within limits for their number and the number of steps. `proceed` ends the search by
     /// returning `false`.
     ///

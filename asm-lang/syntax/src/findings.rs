@@ -118,6 +118,11 @@ impl SyntaxFindings {
         self.errors.get() > 0
     }
 
+    /// Returns `true` if the parser has caught an error, reported or not.
+    pub(crate) fn has_caught(&self) -> bool {
+        self.caught.get() > 0
+    }
+
     /// Counts a token taken by the parser; returns `true` if the parser seems to be stuck.
     pub(crate) fn token_taken(&self) -> bool {
         self.idle.update(|idle| idle.saturating_add(1));

@@ -11,6 +11,7 @@ mod explain;
 mod findings;
 mod fragment;
 mod lexer;
+mod library;
 mod nesting;
 mod node;
 mod parse;
@@ -38,6 +39,7 @@ pub use codes::CODES;
 pub use fragment::{
     parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
 };
+pub use library::parse_library;
 pub use parse::{Parsed, parse};
 pub use print::{format, format_scenario};
 pub use scenario::{begins_scenario, parse_scenario};

@@ -6,7 +6,7 @@ mod order;
 mod rule;
 mod term;
 
-pub(crate) use file::Item;
+pub(crate) use file::{Item, empty as empty_file};
 pub(crate) use rule::Choose;
 pub(crate) use term::{Elements, applied};
 
@@ -201,7 +201,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     /// Builds the file for a text that the parser has given up.
     pub(crate) fn unread(&self, failure: &ParserError<'_>) -> File {
         self.explain(failure, 0, self.text.len());
-        file::empty()
+        empty_file()
     }
 
     /// Reports an error for which the parser has skipped the text from `start` to `end`.

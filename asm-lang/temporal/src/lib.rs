@@ -68,7 +68,7 @@ pub use response::{ResponseMonitor, ResponseState};
 pub use safety::NotMonitorable;
 pub use satisfaction::{check_ctl, check_ctl_while, witness_ctl};
 pub use vacuity::{
-    AtomOccurrence, Vacuity, check_ltl_with_vacuity, vacuity_ctl, vacuity_ctl_by, vacuity_ltl,
-    vacuity_ltl_by,
+    AtomOccurrence, Vacuity, check_ltl_with_vacuity, check_ltl_with_vacuity_while, vacuity_ctl,
+    vacuity_ctl_by, vacuity_ctl_while, vacuity_ltl, vacuity_ltl_by,
 };
 pub use verdict::{FairPaths, TemporalVerdict};

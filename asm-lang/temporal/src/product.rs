@@ -91,8 +91,12 @@ impl<'a> FairGraph<'a> {
     }
 
     /// Returns whether [`check_ltl`] finds no violation.
-    pub(crate) fn holds(&self, formula: &Ltl) -> Result<bool, TemporalError> {
-        let product = self.product(formula, &|_| true)?;
+    pub(crate) fn holds(
+        &self,
+        formula: &Ltl,
+        goes_on: &dyn Fn(usize) -> bool,
+    ) -> Result<bool, TemporalError> {
+        let product = self.product(formula, goes_on)?;
         if product.decided.is_some() {
             return Ok(false);
         }

@@ -69,8 +69,9 @@ pub(crate) fn holds_ctl(
     atoms: &[Bits],
     formula: &Ctl,
     fairness: &[Fairness],
+    goes_on: &dyn Fn(usize) -> bool,
 ) -> Result<bool, TemporalError> {
-    let negation = Satisfaction::of(graph, atoms, formula, false, fairness)?;
+    let negation = Satisfaction::while_allowed(graph, atoms, (formula, false), fairness, goes_on)?;
     Ok(negation.initial().is_empty())
 }
 

@@ -43,7 +43,22 @@ pub fn vacuity_ctl(
     formula: &Ctl,
     fairness: &[Fairness],
 ) -> Result<Vacuity, TemporalError> {
-    vacuity(formula, |it| holds_ctl(graph, atoms, it, fairness))
+    vacuity_ctl_while(graph, atoms, formula, fairness, &|_| true)
+}
+
+/// Returns what does not matter for a CTL formula like [`vacuity_ctl`], as long as `goes_on` returns true: see
+/// [`check_ctl_while`](crate::check_ctl_while).
+///
+/// # Errors
+/// The same as of [`check_ctl_while`](crate::check_ctl_while).
+pub fn vacuity_ctl_while(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ctl,
+    fairness: &[Fairness],
+    goes_on: &dyn Fn(usize) -> bool,
+) -> Result<Vacuity, TemporalError> {
+    vacuity(formula, |it| holds_ctl(graph, atoms, it, fairness, goes_on))
 }
 
 /// Returns what does not matter for an LTL formula; nothing if the formula is violated. See [`vacuity_ctl`].
@@ -57,7 +72,7 @@ pub fn vacuity_ltl(
     fairness: &[Fairness],
 ) -> Result<Vacuity, TemporalError> {
     let graph = FairGraph::new(graph, atoms, fairness)?;
-    vacuity(formula, |it| graph.holds(it))
+    vacuity(formula, |it| graph.holds(it, &|_| true))
 }
 
 /// Checks an LTL formula as [`check_ltl`](crate::check_ltl) does, and returns what does not matter for it as [`vacuity_ltl`] does. This
@@ -71,13 +86,33 @@ pub fn check_ltl_with_vacuity(
     formula: &Ltl,
     fairness: &[Fairness],
 ) -> Result<(TemporalVerdict, Vacuity), TemporalError> {
+    let checked = check_ltl_with_vacuity_while(graph, atoms, formula, fairness, &|_| true)?;
+    Ok((checked.0, checked.1.unwrap_or_default()))
+}
+
+/// Checks an LTL formula like [`check_ltl_with_vacuity`], as long as `goes_on` returns true: see
+/// [`check_ltl_while`](crate::check_ltl_while). If it ends after the verdict, what does not matter for the formula is `None`.
+///
+/// # Errors
+/// The same as of [`check_ltl_while`](crate::check_ltl_while).
+pub fn check_ltl_with_vacuity_while(
+    graph: &Graph,
+    atoms: &[Bits],
+    formula: &Ltl,
+    fairness: &[Fairness],
+    goes_on: &dyn Fn(usize) -> bool,
+) -> Result<(TemporalVerdict, Option<Vacuity>), TemporalError> {
     let graph = FairGraph::new(graph, atoms, fairness)?;
-    let verdict = graph.verdict(formula, &|_| true)?;
+    let verdict = graph.verdict(formula, goes_on)?;
     let vacuity = match verdict.violation {
-        Some(_) => Vacuity::default(),
-        None => vacuity_of_valid(formula, |it| graph.holds(it))?,
+        Some(_) => Ok(Vacuity::default()),
+        None => vacuity_of_valid(formula, |it| graph.holds(it, goes_on)),
     };
-    Ok((verdict, vacuity))
+    match vacuity {
+        Ok(vacuity) => Ok((verdict, Some(vacuity))),
+        Err(TemporalError::Interrupted) => Ok((verdict, None)),
+        Err(error) => Err(error),
+    }
 }
 
 /// Returns what does not matter for a CTL formula, by another procedure that decides whether a formula holds, such as one over sets

@@ -39,7 +39,8 @@ fn rule(before: &str, after: &str) {
     let file = |rule: &str| {
         format!(
             "asm example\nimport StandardLibrary\nsignature:\n  controlled n: Integer\n  controlled r: Real\n  \
-             controlled b: Boolean\n  controlled s: Powerset(Integer)\n  controlled q: Seq(Integer)\n  static half: Real -> Real\n\
+             controlled b: Boolean\n  controlled s: Powerset(Integer)\n  controlled q: Seq(Integer)\n  controlled path: Seq(Real)\n  \
+             controlled place: Prod(Real, Seq(Prod(Real, Powerset(Real))), Integer)\n  static half: Real -> Real\n\
              definitions:\n  function half($x in Real) = $x / 2.0\n  main rule r_Main =\n{rule}\n"
         )
     };
@@ -119,6 +120,43 @@ fn integers_become_real_numbers() {
         "    if r > 1 then r := r + 2 endif",
         "    if r > 1.0 then r := r + 2.0 endif",
     );
+    rule(
+        "    r := if b then -1 else if not b then 2 else 0.5 endif endif",
+        "    r := if b then -1.0 else if not b then 2.0 else 0.5 endif endif",
+    );
+    rule(
+        "    r := if b then 1 else 0 endif",
+        "    r := if b then 1.0 else 0.0 endif",
+    );
+    rule("    path := [1, 2]", "    path := [1.0, 2.0]");
+    rule(
+        "    place := (1, [(2, {3})], 4)",
+        "    place := (1.0, [(2.0, {3.0})], 4)",
+    );
+}
+
+#[test]
+fn what_may_have_lost_its_end_is_not_moved() {
+    let text = "asm example\nimport StandardLibrary\nsignature:\n  controlled n: Integer\n  domain D subsetof Integer * Integer\n\
+                definitions:\n  main rule r_Main = n := 1\n";
+    let (fixed, errors) = fixed(text);
+    assert_eq!(fixed, text);
+    assert!(errors.contains("L058"), "{errors}");
+    let text = text.replace(" * Integer", "");
+    let (fixed, _) = self::fixed(&text);
+    assert!(
+        fixed.contains("signature:\n  domain D subsetof Integer\n  controlled n"),
+        "{fixed}"
+    );
+}
+
+#[test]
+fn functions_of_other_languages_get_their_name_here() {
+    let text = "asm example\nimport StandardLibrary\nsignature:\n  controlled q: Seq(Integer)\ndefinitions:\n  \
+                main rule r_Main = q := rest(q)\n";
+    let (report, sources) = findings(text);
+    let shown = render_all(&report, &sources, Style::Plain);
+    assert!(shown.contains("did you mean `tail`?"), "{shown}");
 }
 
 #[test]

@@ -11,6 +11,7 @@
 )]
 
 mod back_end;
+mod boundaries;
 mod builtins;
 mod compatible;
 mod differences;
@@ -20,12 +21,17 @@ mod initial_state;
 mod limits;
 mod messages;
 mod ranges;
+mod records;
 mod recovery;
 mod replay;
+mod reverted_steps;
 mod semantics;
 mod session;
+mod stored_messages;
+mod stored_values;
 #[path = "../../../tests/language/support.rs"]
 mod support;
+mod transfer;
 
 use std::path::{Path, PathBuf};
 use support::{open, opened, programs, said};

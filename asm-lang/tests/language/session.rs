@@ -103,6 +103,66 @@ fn a_watched_term_keeps_its_meaning_while_others_come_and_go() {
 }
 
 #[test]
+fn a_question_before_the_first_step_reads_the_inputs_of_the_initial_state() {
+    let text = "asm start
+import StandardLibrary
+signature:
+  monitored given: Integer
+  controlled first: Integer
+definitions:
+  main rule r_Main = first := first + 1
+default init s0:
+  function first = 10 * given
+";
+    let mut session = Session::new(crate::support::opened("start", text)).unwrap();
+    let terms = ["first", "given", "first"].map(|term| session.watch(term).unwrap());
+    for (given, expected) in [(1, 20), (4, 50)] {
+        let value = session.value(terms[0], &mut Counter(given), 0).unwrap();
+        assert_eq!(value, Value::Int(expected));
+        // the environment is asked once for an input that several terms need
+        let mut values = Vec::new();
+        let mut inputs = Counter(given);
+        let machine = &mut session.machine;
+        machine
+            .evaluate_each(&terms, &mut inputs, 0, &mut values)
+            .unwrap();
+        let asked = [expected, given + 2, expected].map(Value::Int);
+        assert_eq!(values, asked);
+        assert_eq!(inputs.0, given + 2);
+    }
+    // the questions have not completed the initial state
+    let step = session
+        .machine
+        .step(&mut Counter(7), &mut FirstChoice, 0)
+        .unwrap();
+    assert_eq!(step.updates()[0].value, Value::Int(81));
+}
+
+#[test]
+fn a_program_with_other_locations_does_not_replace_that_of_a_machine() {
+    let program = |signature: &str| {
+        let text = format!(
+            "asm other\nimport StandardLibrary\nsignature:\n  controlled n: Integer\n  {signature}\ndefinitions:\n  main rule r_Main = n := 1\n"
+        );
+        crate::support::opened("other", &text)
+    };
+    let own = program("static k: Integer");
+    let mut machine = own.machine().unwrap();
+    machine.replace_program(own.program.clone()).unwrap();
+    for signature in [
+        "controlled k: Integer",
+        "enum domain K = {A | B}",
+        "abstract domain K",
+        "static k: Boolean -> Integer\n  abstract domain K\n static l: K",
+    ] {
+        let other = program(signature).program;
+        assert!(machine.replace_program(other).is_err(), "{signature}");
+    }
+    let step = machine.step(&mut NoInputs, &mut FirstChoice, 0).unwrap();
+    assert_eq!(step.updates().len(), 1);
+}
+
+#[test]
 fn a_question_asks_the_environment_and_leaves_the_last_step_as_it_was() {
     let mut session = session();
     session

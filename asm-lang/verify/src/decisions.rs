@@ -42,24 +42,39 @@ struct Sequence {
     at: usize,
     /// Inputs that the current execution has read and that were not known before.
     read: Vec<InputValue>,
+    /// Inputs that have only this value.
+    fixed: Vec<InputValue>,
 }
 
 impl Sequence {
     fn next(&mut self, count: usize) -> usize {
+        self.next_from(0, count)
+    }
+
+    /// Decides between the possibilities from this one on.
+    fn next_from(&mut self, first: usize, count: usize) -> usize {
         let at = self.at;
         self.at += 1;
         if let Some(decision) = self.taken.get(at) {
             return decision.taken as usize;
         }
         self.taken.push(Decision {
-            taken: 0,
+            taken: u32::try_from(first).unwrap_or(u32::MAX),
             count: u32::try_from(count).unwrap_or(u32::MAX),
         });
-        0
+        first
     }
 }
 
 impl Decisions {
+    /// The sequences in which these inputs have these values.
+    #[cfg(feature = "symbolic")]
+    pub fn with(fixed: Vec<InputValue>) -> Self {
+        let decisions = Self::default();
+        decisions.current.borrow_mut().fixed = fixed;
+        decisions
+    }
+
     /// Returns to the first sequence.
     pub fn restart(&self) {
         let mut current = self.current.borrow_mut();
@@ -107,13 +122,18 @@ impl Decisions {
         values: &[Value],
     ) -> Value {
         let mut current = self.current.borrow_mut();
-        let known = current.read.iter().find(|input| {
+        let is_it = |input: &&InputValue| {
             input.machine == machine && input.function == function && *input.arguments == *arguments
-        });
-        if let Some(known) = known {
+        };
+        if let Some(known) = current.read.iter().find(is_it) {
             return known.value.clone();
         }
-        let taken = current.next(values.len());
+        let fixed = current.fixed.iter().find(is_it);
+        let fixed = fixed.and_then(|fixed| values.iter().position(|it| *it == fixed.value));
+        let taken = match fixed {
+            Some(index) => current.next_from(index, index + 1),
+            None => current.next(values.len()),
+        };
         let value = values.get(taken).cloned().unwrap_or_default();
         current.read.push(InputValue {
             machine,

@@ -4,6 +4,7 @@
 use crate::decisions::{Decision, Decisions, InputValue, MAX_EXECUTIONS};
 use crate::explore::{Conditions, Exploration, ExplorationError, Limits};
 use crate::fair_moves::{CountsBefore, FairMoves, MovedSet};
+use crate::round_limits::ExaminedLimits;
 use crate::store::StateStore;
 use crate::transition::{MachineFault, TransitionSystem};
 use asmotion_lang::Value;
@@ -44,7 +45,7 @@ pub(crate) struct NodeSuccessors {
     pub outcomes: Vec<StepOutcome>,
     /// Number of executions that update a location.
     pub updating: u64,
-    /// Number of executions.
+    /// Number of executions, and of evaluations of the conditions in fresh states.
     pub executions: u64,
     /// `true` if no step changes anything.
     pub rests: bool,
@@ -60,6 +61,14 @@ pub(crate) struct ObservedCase {
     pub inputs: Vec<InputValue>,
     /// Truth of each condition; `None` for undef.
     pub truths: Vec<Option<bool>>,
+}
+
+impl ObservedCase {
+    /// Returns the memory that it takes, in bytes, with the arguments of each input and what the allocator adds.
+    fn memory(&self) -> usize {
+        let inputs = self.inputs.len() * (size_of::<InputValue>() + 2 * size_of::<Value>());
+        size_of::<Self>() + inputs + self.truths.len() + 32
+    }
 }
 
 /// The value of the conditions in a state.
@@ -79,6 +88,8 @@ pub(crate) struct Expansions {
     pub fresh: StateStore,
     /// The value of the conditions in each of these states.
     pub observations: Vec<Observation>,
+    /// Number of combinations of inputs in all observations.
+    cases: u64,
 }
 
 /// The part of an exploration that is known while nodes are expanded.
@@ -153,8 +164,11 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
         Self::new(system.clone(), conditions, *limits, fair, *has_labels)
     }
 
-    /// Returns the initial states as fresh ones, in the order in which they are found.
-    pub fn begin(&mut self) -> Result<Expansions, ExplorationError> {
+    /// Returns the initial states as fresh ones, in the order in which they are found; all of them, unless a limit ends the search.
+    pub fn begin(
+        &mut self,
+        limits: &mut ExaminedLimits<'_>,
+    ) -> Result<Expansions, ExplorationError> {
         let mut found = Expansions::default();
         let mut before = Vec::new();
         self.system.pack(&mut before);
@@ -169,16 +183,22 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
             }
             self.packed.clear();
             self.system.pack(&mut self.packed);
-            self.fresh(&mut found);
-            if !decisions.advance() {
+            self.fresh(&mut found, limits);
+            if !decisions.advance() || !limits.goes_on(0) {
                 return Ok(found);
             }
             self.system.restore(&before);
         }
     }
 
-    /// Finds the successors of a node.
-    pub fn expand(&mut self, at: &NodeToExpand, known: KnownStates<'_>, to: &mut Expansions) {
+    /// Finds the successors of a node; all of them, unless a limit ends the round.
+    pub fn expand(
+        &mut self,
+        at: &NodeToExpand,
+        known: KnownStates<'_>,
+        to: &mut Expansions,
+        limits: &mut ExaminedLimits<'_>,
+    ) {
         let mut found = NodeSuccessors {
             rests: true,
             ..NodeSuccessors::default()
@@ -192,11 +212,15 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
         self.decisions.restart();
         self.own_before.clear();
         self.system.pack_own(&mut self.own_before);
+        let mut executions = 0;
         loop {
-            found.executions += 1;
-            if found.executions > MAX_EXECUTIONS {
+            executions += 1;
+            if executions > MAX_EXECUTIONS {
                 let stopped = StepOutcome::Stopped(ExplorationError::Alternatives);
                 found.outcomes.push(stopped);
+                break;
+            }
+            if !limits.goes_on(size_of::<StepOutcome>()) {
                 break;
             }
             let can_revert = self.system.can_revert();
@@ -208,7 +232,7 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
                 }
                 Ok(has_updates) => {
                     found.updating += u64::from(has_updates);
-                    self.reached(&at.state, known, &mut found, to);
+                    self.reached(&at.state, known, &mut found, to, limits);
                 }
                 Err(fault) => {
                     found.rests = false;
@@ -225,6 +249,7 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
                 self.system.restore(&at.state);
             }
         }
+        found.executions += executions;
         to.nodes.push(found);
     }
 
@@ -235,6 +260,7 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
         known: KnownStates<'_>,
         found: &mut NodeSuccessors,
         to: &mut Expansions,
+        limits: &mut ExaminedLimits<'_>,
     ) {
         self.packed.clear();
         self.system.pack(&mut self.packed);
@@ -254,16 +280,22 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
         let state = match known.states.find(&self.packed) {
             Some(_) if !known.keeps_edges => return,
             Some(number) => ReachedState::Known(number),
-            None => ReachedState::Fresh(self.fresh(to)),
+            None => {
+                let before = to.cases;
+                let index = self.fresh(to, limits);
+                found.executions += to.cases - before;
+                ReachedState::Fresh(index)
+            }
         };
         found.outcomes.push(StepOutcome::Reached(state, moved));
     }
 
     /// Adds the state in `packed`, in which the system is, to the fresh ones; returns its index.
-    fn fresh(&mut self, to: &mut Expansions) -> u32 {
+    fn fresh(&mut self, to: &mut Expansions, limits: &mut ExaminedLimits<'_>) -> u32 {
         let (index, is_new) = to.fresh.add(&self.packed).unwrap_or_default();
         if is_new {
-            let observation = self.observe();
+            let observation = self.observe(limits);
+            to.cases += observation.cases.len() as u64;
             to.observations.push(observation);
         }
         index
@@ -279,7 +311,7 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
     }
 
     /// Evaluates the conditions in the current state, for each combination of inputs that they read.
-    fn observe(&mut self) -> Observation {
+    fn observe(&mut self, limits: &mut ExaminedLimits<'_>) -> Observation {
         let mut observation = Observation::default();
         if self.conditions.terms.is_empty() {
             observation.cases.push(ObservedCase {
@@ -317,7 +349,8 @@ impl<'a, S: TransitionSystem> Expander<'a, S> {
                     truths: Vec::new(),
                 }
             });
-            if !decisions.advance() {
+            let bytes = observation.cases.last().map_or(0, ObservedCase::memory);
+            if !limits.goes_on(bytes) || !decisions.advance() {
                 return observation;
             }
         }

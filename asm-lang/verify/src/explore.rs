@@ -181,6 +181,8 @@ pub(crate) struct Exploration {
     /// Inputs of each node: an index into `inputs`.
     pub inputs_of: Table<u32>,
     pub inputs: Vec<Vec<InputValue>>,
+    /// Memory that `inputs` take, in bytes, with the tables in which they are looked up.
+    pub input_memory: usize,
     /// Predecessor of each node on a shortest path.
     pub parents: Parents,
     /// First node of each depth.
@@ -320,6 +322,14 @@ impl Exploration {
             Some(words) => words.len() as u64,
             None => self.states.len() as u64,
         }
+    }
+
+    /// Adds a combination of inputs that was not known; returns its number.
+    pub fn add_inputs(&mut self, inputs: Vec<InputValue>) -> u32 {
+        // the vectors, the arguments of each input, and a copy as the key of a table
+        self.input_memory += 2 * (32 + inputs.len() * (size_of::<InputValue>() + 32));
+        self.inputs.push(inputs);
+        self.inputs.len() as u32 - 1
     }
 
     /// Returns the known inputs of a node.
@@ -472,7 +482,7 @@ impl Exploration {
         let words = self.truths.iter().map(|truths| truths.words.capacity() * 8);
         let edges = self.edge_ends.memory() + self.targets.memory() + self.labels.memory();
         let nodes = per_node + self.first_nodes.memory() + self.parents.memory();
-        let own = nodes + edges + words.sum::<usize>();
+        let own = nodes + edges + words.sum::<usize>() + self.input_memory;
         let words = self.words.as_ref().map_or(0, |words| words.memory());
         (own + self.states.memory() + words) as u64
     }
@@ -484,22 +494,33 @@ impl Exploration {
         reached: Reached,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Option<Incomplete> {
-        let Reached {
-            node,
-            states,
-            explored,
-            memory,
-        } = reached;
         let depth = self.depth();
         if limits.depth.is_some_and(|limit| depth >= limit) {
             return Some(Incomplete::Depth);
         }
-        if limits.states.is_some_and(|limit| states > limit) {
+        if limits.states.is_some_and(|limit| reached.states > limit) {
             return Some(Incomplete::States);
         }
-        if !node.is_multiple_of(256) {
+        if !reached.node.is_multiple_of(256) {
             return None;
         }
+        self.resource_limit(limits, reached, proceed)
+    }
+
+    /// Returns the limit of memory that is reached, or that the caller ends the exploration.
+    pub fn resource_limit(
+        &self,
+        limits: Limits,
+        reached: Reached,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Option<Incomplete> {
+        let Reached {
+            states,
+            explored,
+            memory,
+            ..
+        } = reached;
+        let depth = self.depth();
         let memory = memory + self.memory();
         if limits.memory.is_some_and(|limit| memory > limit) {
             return Some(Incomplete::Memory);

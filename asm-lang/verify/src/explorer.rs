@@ -14,6 +14,7 @@ use crate::explore::{
     Reached,
 };
 use crate::fair_moves::{FairMoves, MovedSet};
+use crate::round_limits::{ExaminedLimits, RoundLimits};
 use crate::transition::TransitionSystem;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -87,7 +88,10 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         mut self,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Exploration, ExplorationError> {
-        let mut initial = self.expander.begin()?;
+        let limits = RoundLimits::new(self.limits, self.progress(0));
+        let mut examined = ExaminedLimits::new(&limits, Some(&mut *proceed));
+        let mut initial = self.expander.begin(&mut examined)?;
+        self.found.incomplete = limits.ended();
         let mut numbers = vec![None; initial.fresh.len()];
         for index in 0..initial.fresh.len() as u32 {
             self.enter(index, None, &mut initial, &mut numbers)?;
@@ -99,8 +103,14 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         let mut level_end = self.found.nodes();
         while node < self.found.nodes() && self.found.incomplete.is_none() {
             let counts_before = self.counts();
-            let round = self.round(node);
+            let limits = RoundLimits::new(self.limits, self.progress(node));
+            let mut round = self.round(node, &limits, proceed);
             let first = node;
+            self.found.incomplete = limits.ended();
+            if self.found.incomplete.is_some() {
+                // the successors of some nodes are missing
+                round.clear();
+            }
             for mut part in round {
                 let mut numbers = vec![None; part.fresh.len()];
                 for index in 0..part.nodes.len() {
@@ -143,6 +153,18 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         Ok(self.found)
     }
 
+    /// Returns the progress before a node is explored.
+    fn progress(&self, node: u32) -> Progress {
+        let explored = self.found.state_of.get(node as usize).unwrap_or(0);
+        Progress {
+            states: self.found.state_count(),
+            explored: explored.into(),
+            transitions: self.found.transitions,
+            depth: self.found.depth(),
+            memory: self.found.memory(),
+        }
+    }
+
     fn limit(&self, node: u32, proceed: &mut dyn FnMut(Progress) -> bool) -> Option<Incomplete> {
         let reached = Reached {
             node,
@@ -155,7 +177,12 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
     }
 
     /// Finds the successors of the nodes from this one on, as far as a round goes, in parts.
-    fn round(&mut self, first: u32) -> Vec<Expansions> {
+    fn round(
+        &mut self,
+        first: u32,
+        limits: &RoundLimits,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Vec<Expansions> {
         let waiting = (self.found.nodes() - first) as usize;
         let (nodes, executions) = self.last_round;
         let foreseen = (nodes * ROUND_EXECUTIONS).div_ceil(executions.max(1)) as usize;
@@ -174,11 +201,18 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
             while self.others.len() + 1 < self.threads {
                 self.others.push(self.expander.another());
             }
-            expand_shared(&mut self.expander, &mut self.others, &round, known)
+            let examined = ExaminedLimits::new(limits, Some(proceed));
+            expand_shared(
+                (&mut self.expander, &mut self.others),
+                &round,
+                known,
+                (limits, examined),
+            )
         } else {
             let mut part = Expansions::default();
+            let mut examined = ExaminedLimits::new(limits, Some(proceed));
             for node in &round {
-                self.expander.expand(node, known, &mut part);
+                self.expander.expand(node, known, &mut part, &mut examined);
             }
             vec![part]
         };
@@ -199,12 +233,14 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         let mut again = self.expander.another();
         let at_start = again.system.counts();
         let (mut found, known) = (Expansions::default(), KnownStates::of(&self.found));
+        let unlimited = RoundLimits::new(Limits::default(), self.progress(0));
+        let mut examined = ExaminedLimits::new(&unlimited, None);
         for node in nodes {
             let node = NodeToExpand {
                 state: self.found.state(node).into_owned(),
                 inputs: self.found.inputs(node).to_vec(),
             };
-            again.expand(&node, known, &mut found);
+            again.expand(&node, known, &mut found, &mut examined);
         }
         let mut counts = again.system.counts();
         for (count, start) in counts.iter_mut().flatten().zip(at_start.iter().flatten()) {
@@ -317,8 +353,7 @@ impl<'a, S: TransitionSystem> Explorer<'a, S> {
         if let Some(number) = self.known_inputs.get(&inputs) {
             return *number;
         }
-        let number = self.found.inputs.len() as u32;
-        self.found.inputs.push(inputs.clone());
+        let number = self.found.add_inputs(inputs.clone());
         self.known_inputs.insert(inputs, number);
         number
     }
@@ -359,14 +394,14 @@ fn sum(mut all: Vec<Vec<u64>>, others: impl Iterator<Item = Vec<Vec<u64>>>) -> V
 
 /// Finds the successors of nodes with several threads; returns them in the order of the nodes.
 fn expand_shared<S: TransitionSystem>(
-    own: &mut Expander<'_, S>,
-    others: &mut [Expander<'_, S>],
+    (own, others): (&mut Expander<'_, S>, &mut [Expander<'_, S>]),
     round: &[NodeToExpand],
     known: KnownStates<'_>,
+    (limits, mut examined): (&RoundLimits, ExaminedLimits<'_>),
 ) -> Vec<Expansions> {
     let parts: Vec<&[NodeToExpand]> = round.chunks(PART_NODES).collect();
     let next = AtomicUsize::new(0);
-    let work = |expander: &mut Expander<'_, S>| {
+    let work = |expander: &mut Expander<'_, S>, examined: &mut ExaminedLimits<'_>| {
         let mut done = Vec::new();
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
@@ -375,18 +410,18 @@ fn expand_shared<S: TransitionSystem>(
             };
             let mut found = Expansions::default();
             for node in *part {
-                expander.expand(node, known, &mut found);
+                expander.expand(node, known, &mut found, examined);
             }
             done.push((index, found));
         }
     };
     let mut all = std::thread::scope(|scope| {
         let work = &work;
-        let running = others
-            .iter_mut()
-            .map(|expander| scope.spawn(move || work(expander)));
+        let running = others.iter_mut().map(|expander| {
+            scope.spawn(move || work(expander, &mut ExaminedLimits::new(limits, None)))
+        });
         let running: Vec<_> = running.collect();
-        let mut all = work(own);
+        let mut all = work(own, &mut examined);
         for thread in running {
             match thread.join() {
                 Ok(done) => all.extend(done),

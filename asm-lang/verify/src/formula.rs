@@ -1,78 +1,13 @@
 //! Formulas: temporal operators over conditions, from the terms of a specification.
 
+use crate::operator::{Logic, Meant, Operator, TemporalFunctions};
 use asmotion_diagnostics::Span;
 use asmotion_lang::hir::{
-    AddedTerm, Binder, Body, Function, Model, Quantifier, Term, TermKind, Type, VarId, Variable,
+    AddedTerm, Binder, Body, FunctionId, Meaning, Model, Quantifier, Term, TermKind, Type, TypeId,
+    VarId, Variable,
 };
 use asmotion_lang::{Machine, Value};
 use std::collections::BTreeMap;
-
-/// An operator of a formula.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Operator {
-    Not,
-    And,
-    Or,
-    Implies,
-    Iff,
-    /// CTL: `E` and `A` quantify over paths.
-    Ex,
-    Ax,
-    Ef,
-    Af,
-    Eg,
-    Ag,
-    Eu,
-    Au,
-    /// LTL, future.
-    Next,
-    Globally,
-    Finally,
-    Until,
-    Release,
-    /// LTL, past.
-    Yesterday,
-    WeakYesterday,
-    Historically,
-    Once,
-    Since,
-    Triggered,
-}
-
-/// The logic of an operator or formula.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Logic {
-    Ctl,
-    Ltl,
-}
-
-impl Operator {
-    /// Returns the logic of a temporal operator; `None` for a Boolean one.
-    pub fn logic(self) -> Option<Logic> {
-        match self {
-            Self::Not | Self::And | Self::Or | Self::Implies | Self::Iff => None,
-            Self::Ex
-            | Self::Ax
-            | Self::Ef
-            | Self::Af
-            | Self::Eg
-            | Self::Ag
-            | Self::Eu
-            | Self::Au => Some(Logic::Ctl),
-            Self::Next
-            | Self::Globally
-            | Self::Finally
-            | Self::Until
-            | Self::Release
-            | Self::Yesterday
-            | Self::WeakYesterday
-            | Self::Historically
-            | Self::Once
-            | Self::Since
-            | Self::Triggered => Some(Logic::Ltl),
-        }
-    }
-}
 
 /// A formula over conditions, which are given by their index.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +30,28 @@ impl Formula {
             Self::Repeat(..) => false,
         }
     }
+
+    /// Returns the conditions all of whose occurrences are among these, which are given once for each occurrence: the operand of a
+    /// pattern occurs several times.
+    pub fn with_all_occurrences(&self, given: &[usize]) -> Vec<usize> {
+        let mut all = Vec::new();
+        self.add_conditions(&mut all);
+        let count = |of: &[usize], it: usize| of.iter().filter(|known| **known == it).count();
+        let mut found = given.to_vec();
+        found.sort_unstable();
+        found.dedup();
+        found.retain(|it| count(given, *it) >= count(&all, *it));
+        found
+    }
+
+    fn add_conditions(&self, to: &mut Vec<usize>) {
+        match self {
+            Self::Constant(_) => {}
+            Self::Condition(index) => to.push(*index),
+            Self::Apply(_, operands) => operands.iter().for_each(|it| it.add_conditions(to)),
+            Self::Repeat(_, _, operand) => operand.add_conditions(to),
+        }
+    }
 }
 
 /// The reason for which a term is no formula.
@@ -115,6 +72,21 @@ pub(crate) enum FormulaProblem {
     Range,
     /// The number of `exN` or `axN` is no literal.
     Count,
+    /// A temporal operator in an invariant.
+    Invariant(Logic),
+}
+
+impl FormulaProblem {
+    /// Names a function whose definition has the problem in place of the operator in it.
+    fn of_function(self, name: String) -> Self {
+        match self {
+            Self::Mixed { expected, .. } => Self::Mixed {
+                operator: name,
+                expected,
+            },
+            Self::Nested | Self::Range | Self::Count | Self::Invariant(_) => self,
+        }
+    }
 }
 
 /// The translation of terms to formulas. The conditions are added to the model.
@@ -122,6 +94,7 @@ pub(crate) struct Formulas<'a> {
     pub model: &'a mut Model,
     /// A machine in the initial state, for the elements of domains.
     pub machine: &'a Machine,
+    pub temporal: TemporalFunctions,
     /// Index of the first condition: the number of those of other machines.
     pub first_condition: usize,
     pub conditions: Vec<AddedTerm>,
@@ -136,6 +109,22 @@ struct Bound {
     formulas: BTreeMap<VarId, Formula>,
 }
 
+impl Bound {
+    /// Returns the value of a term that is a literal or a variable with a value.
+    fn value<'a>(&'a self, term: &'a Term) -> Option<&'a Value> {
+        if let TermKind::Value(value) = &*term.kind {
+            return Some(value);
+        }
+        let TermKind::Variable(variable) = &*term.kind else {
+            return None;
+        };
+        let mut values = self.values.iter();
+        values
+            .find(|(known, _)| known == variable)
+            .map(|(_, value)| value)
+    }
+}
+
 impl Formulas<'_> {
     /// Translates a term, which is the root of a body with these variables.
     pub fn formula(
@@ -148,24 +137,14 @@ impl Formulas<'_> {
             formulas: self,
             variables: variables.to_vec(),
             logic,
+            definitions: 0,
         };
         translation.term(root, &Bound::default())
     }
 
     /// Returns the logic of the first temporal operator in a term; `None` without any.
     pub fn logic(&self, term: &Term) -> Option<Logic> {
-        let mut found = None;
-        asmotion_lang::ir::visit_terms(term, &mut |part| {
-            let function = part.kind.function();
-            let function = function.and_then(|it| self.model.functions.get(it.0 as usize));
-            let logic = function.and_then(|function| match meaning(function)? {
-                Meant::Operator(operator) => operator.logic(),
-                Meant::Repeat(_) | Meant::Pattern(_) => Some(Logic::Ctl),
-                Meant::Difference => None,
-            });
-            found = found.or(logic);
-        });
-        found
+        self.temporal.logic(term)
     }
 
     /// Adds the antecedents of the implications in a term as conditions, unless they have variables or temporal operators. Returns
@@ -175,7 +154,7 @@ impl Formulas<'_> {
         asmotion_lang::ir::visit_terms(term, &mut |part| {
             if let TermKind::Apply(function, operands) = &*part.kind
                 && let Some(function) = self.model.functions.get(function.0 as usize)
-                && let Some(Meant::Operator(Operator::Implies)) = meaning(function)
+                && let Some(Meant::Operator(Operator::Implies)) = Meant::of(function)
                 && let [antecedent, _] = operands.as_slice()
                 && self.logic(antecedent).is_none()
                 && !has_variable(antecedent)
@@ -218,7 +197,12 @@ struct Translation<'f, 'a> {
     formulas: &'f mut Formulas<'a>,
     variables: Vec<Variable>,
     logic: Logic,
+    /// Number of definitions around the current term.
+    definitions: usize,
 }
+
+/// Greatest number of definitions within each other: one that applies itself has no formula.
+const MAX_DEFINITIONS: usize = 64;
 
 impl Translation<'_, '_> {
     fn term(&mut self, term: &Term, bound: &Bound) -> Result<Formula, NoFormula> {
@@ -231,7 +215,12 @@ impl Translation<'_, '_> {
             return Ok(self.condition(term, bound));
         }
         if let TermKind::Apply(function, operands) = &*term.kind {
-            return self.applied(function.0, operands, term, bound);
+            return self.applied(*function, operands, term, bound);
+        }
+        if let TermKind::Spread(function, tuple) = &*term.kind
+            && let TermKind::Tuple(operands) = &*tuple.kind
+        {
+            return self.applied(*function, operands, term, bound);
         }
         if let TermKind::Quantified(quantifier, binders, Some(condition)) = &*term.kind {
             return self.quantified(*quantifier, binders, condition, bound);
@@ -251,22 +240,67 @@ impl Translation<'_, '_> {
     /// Translates the application of a function to terms of which some are temporal.
     fn applied(
         &mut self,
-        function: u32,
+        function: FunctionId,
         operands: &[Term],
         term: &Term,
         bound: &Bound,
     ) -> Result<Formula, NoFormula> {
-        let function = self.formulas.model.functions.get(function as usize);
-        match function.and_then(meaning) {
-            Some(Meant::Operator(operator)) => self.apply(operator, operands, term, bound),
-            Some(Meant::Repeat(operator)) => self.repeat(operator, operands, bound),
-            Some(Meant::Difference) => self.apply(Operator::Iff, operands, term, bound).map(not),
-            Some(Meant::Pattern(name)) => {
-                let operands = self.operands(operands, bound)?;
-                pattern(name, operands).ok_or_else(|| nested(term))
+        let declared = self.formulas.model.functions.get(function.0 as usize);
+        match declared.and_then(Meant::of) {
+            Some(Meant::Operator(Operator::Iff) | Meant::Difference)
+                if !operands.iter().all(|operand| self.is_boolean(operand.ty)) =>
+            {
+                Err(nested(term))
             }
-            None => Err(nested(term)),
+            Some(Meant::Operator(operator)) => self.apply(operator, operands, term, bound),
+            Some(Meant::Repeat(operator)) => self.repeat(operator, operands, term, bound),
+            Some(Meant::Difference) => self.apply(Operator::Iff, operands, term, bound).map(not),
+            None => self.defined(function, operands, term, bound),
         }
+    }
+
+    fn is_boolean(&self, ty: TypeId) -> bool {
+        matches!(self.formulas.model.types.get(ty), Type::Boolean)
+    }
+
+    /// Translates the application of a function that is defined by a term with temporal operators: its definition, with the operands in
+    /// place of the parameters. Problems in it are reported where it is applied.
+    fn defined(
+        &mut self,
+        function: FunctionId,
+        operands: &[Term],
+        term: &Term,
+        bound: &Bound,
+    ) -> Result<Formula, NoFormula> {
+        let declared = self.formulas.model.functions.get(function.0 as usize);
+        let Some((name, Meaning::Defined(body))) = declared.map(|it| (&it.name, &it.meaning))
+        else {
+            return Err(nested(term));
+        };
+        if self.definitions == MAX_DEFINITIONS || body.parameters != operands.len() {
+            return Err(nested(term));
+        }
+        let (name, root) = (name.to_string(), body.root.clone());
+        let variables = body.variables.clone();
+        let mut inside = Bound::default();
+        for (parameter, operand) in (0..).map(VarId).zip(operands) {
+            if self.is_boolean(operand.ty) {
+                let formula = self.term(operand, bound)?;
+                inside.formulas.insert(parameter, formula);
+            } else {
+                let value = bound.value(operand).ok_or_else(|| nested(operand))?;
+                inside.values.push((parameter, value.clone()));
+            }
+        }
+        let outside = std::mem::replace(&mut self.variables, variables);
+        self.definitions += 1;
+        let formula = self.term(&root, &inside);
+        self.definitions -= 1;
+        self.variables = outside;
+        formula.map_err(|found| NoFormula {
+            at: term.span,
+            problem: found.problem.of_function(name),
+        })
     }
 
     fn operands(&mut self, operands: &[Term], bound: &Bound) -> Result<Vec<Formula>, NoFormula> {
@@ -305,26 +339,14 @@ impl Translation<'_, '_> {
         &mut self,
         operator: Operator,
         operands: &[Term],
+        term: &Term,
         bound: &Bound,
     ) -> Result<Formula, NoFormula> {
         let [operand, count] = operands else {
             return Ok(Formula::Constant(true));
         };
-        self.check(operator, operand)?;
-        let bound_value = |variable| {
-            let mut values = bound.values.iter();
-            values
-                .find(|(known, _)| *known == variable)
-                .map(|(_, value)| value)
-        };
-        let value = if let TermKind::Variable(variable) = &*count.kind {
-            bound_value(*variable)
-        } else if let TermKind::Value(value) = &*count.kind {
-            Some(value)
-        } else {
-            None
-        };
-        let number = if let Some(Value::Int(number)) = value {
+        self.check(operator, term)?;
+        let number = if let Some(Value::Int(number)) = bound.value(count) {
             u64::try_from(*number).ok()
         } else {
             None
@@ -414,16 +436,13 @@ impl Translation<'_, '_> {
 
     /// Returns `true` if a term contains a temporal operator.
     fn is_temporal(&self, term: &Term, bound: &Bound) -> bool {
-        let mut is_temporal = false;
+        let mut has_formula = false;
         asmotion_lang::ir::visit_terms(term, &mut |part| {
-            let function = part.kind.function();
-            let function = function.and_then(|it| self.formulas.model.functions.get(it.0 as usize));
-            is_temporal |= function.is_some_and(is_temporal_function);
             if let TermKind::Variable(variable) = &*part.kind {
-                is_temporal |= bound.formulas.contains_key(variable);
+                has_formula |= bound.formulas.contains_key(variable);
             }
         });
-        is_temporal
+        has_formula || self.formulas.temporal.logic(term).is_some()
     }
 }
 
@@ -442,88 +461,6 @@ fn nested(term: &Term) -> NoFormula {
     }
 }
 
-/// The meaning of a function in a formula.
-enum Meant {
-    Operator(Operator),
-    /// `exN`, `axN`
-    Repeat(Operator),
-    /// `!=` or `xor`
-    Difference,
-    /// A function that is defined by other operators.
-    Pattern(&'static str),
-}
-
-/// The functions of the libraries for temporal logic that are defined by others.
-const PATTERNS: &[&str] = &[
-    "ew",
-    "aw",
-    "absenceG",
-    "absenceBefore",
-    "absenceAfter",
-    "absenceBetween",
-    "absenceAfterUntil",
-    "ap",
-    "pb",
-];
-
-fn meaning(function: &Function) -> Option<Meant> {
-    if !function.library {
-        return None;
-    }
-    let operator = match &*function.name {
-        "not" => Operator::Not,
-        "and" => Operator::And,
-        "or" => Operator::Or,
-        "implies" => Operator::Implies,
-        "iff" | "=" | "eq" => Operator::Iff,
-        "xor" | "!=" | "neq" => return Some(Meant::Difference),
-        "exN" => return Some(Meant::Repeat(Operator::Ex)),
-        "axN" => return Some(Meant::Repeat(Operator::Ax)),
-        name => match temporal(name) {
-            Some(operator) => operator,
-            None => {
-                let known = PATTERNS.iter().find(|known| **known == name);
-                return known.map(|name| Meant::Pattern(name));
-            }
-        },
-    };
-    Some(Meant::Operator(operator))
-}
-
-/// Returns the temporal operator of a name in the libraries.
-fn temporal(name: &str) -> Option<Operator> {
-    Some(match name {
-        "ex" => Operator::Ex,
-        "ax" => Operator::Ax,
-        "ef" => Operator::Ef,
-        "af" => Operator::Af,
-        "eg" => Operator::Eg,
-        "ag" => Operator::Ag,
-        "eu" => Operator::Eu,
-        "au" => Operator::Au,
-        "x" => Operator::Next,
-        "g" => Operator::Globally,
-        "f" => Operator::Finally,
-        "u" => Operator::Until,
-        "v" => Operator::Release,
-        "y" => Operator::Yesterday,
-        "z" => Operator::WeakYesterday,
-        "h" => Operator::Historically,
-        "o" => Operator::Once,
-        "s" => Operator::Since,
-        "t" => Operator::Triggered,
-        _ => return None,
-    })
-}
-
-fn is_temporal_function(function: &Function) -> bool {
-    match meaning(function) {
-        Some(Meant::Operator(operator)) => operator.logic().is_some(),
-        Some(Meant::Repeat(_) | Meant::Pattern(_)) => true,
-        Some(Meant::Difference) | None => false,
-    }
-}
-
 fn not(formula: Formula) -> Formula {
     Formula::Apply(Operator::Not, vec![formula])
 }
@@ -532,52 +469,6 @@ fn and(left: Formula, right: Formula) -> Formula {
     Formula::Apply(Operator::And, vec![left, right])
 }
 
-fn or(left: Formula, right: Formula) -> Formula {
-    Formula::Apply(Operator::Or, vec![left, right])
-}
-
 fn implies(left: Formula, right: Formula) -> Formula {
     Formula::Apply(Operator::Implies, vec![left, right])
-}
-
-fn ag(formula: Formula) -> Formula {
-    Formula::Apply(Operator::Ag, vec![formula])
-}
-
-/// On every path, `p` until `q`, or `p` for ever.
-fn aw(p: Formula, q: Formula) -> Formula {
-    let neither = not(or(p, q.clone()));
-    not(Formula::Apply(Operator::Eu, vec![not(q), neither]))
-}
-
-/// Returns a pattern of the library as a formula of the basic operators; the definitions are those of `CTLLibrary`, after
-/// Dwyer, Avrunin and Corbett, "Patterns in property specifications for finite-state verification" (ICSE 1999).
-fn pattern(name: &str, operands: Vec<Formula>) -> Option<Formula> {
-    let mut operands = operands.into_iter();
-    let p = operands.next()?;
-    let rest: Vec<Formula> = operands.collect();
-    Some(match (name, rest.as_slice()) {
-        ("absenceG", []) => ag(not(p)),
-        ("ew", [q]) => {
-            let globally = Formula::Apply(Operator::Eg, vec![p.clone()]);
-            or(Formula::Apply(Operator::Eu, vec![p, q.clone()]), globally)
-        }
-        ("aw", [q]) => aw(p, q.clone()),
-        ("absenceBefore", [r]) => aw(or(not(p), ag(not(r.clone()))), r.clone()),
-        ("absenceAfter", [q]) => ag(implies(q.clone(), ag(not(p)))),
-        ("absenceBetween", [q, r]) => {
-            let absent = aw(or(not(p), ag(not(r.clone()))), r.clone());
-            ag(implies(and(q.clone(), not(r.clone())), absent))
-        }
-        ("absenceAfterUntil", [q, r]) => {
-            let absent = aw(not(p), r.clone());
-            ag(implies(and(q.clone(), not(r.clone())), absent))
-        }
-        ("ap", [s]) => aw(not(p), s.clone()),
-        ("pb", [s, r]) => {
-            let early = or(not(p), ag(not(r.clone())));
-            aw(early, or(s.clone(), r.clone()))
-        }
-        _ => return None,
-    })
 }

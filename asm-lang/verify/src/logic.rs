@@ -4,13 +4,15 @@ use crate::codes::m004::FormulaTooLarge;
 use crate::counterexample::NodePath;
 use crate::explore::{Exploration, Truths};
 use crate::fair_moves::{self, FairMoves, MovedSet};
-use crate::formula::{Formula, Operator};
+use crate::formula::Formula;
+use crate::operator::Operator;
 use crate::property::PropertyKind;
 use crate::transition::FairLabels;
 use asmotion_diagnostics::{Diagnostic, Finding};
 use asmotion_temporal::{
     Bits, Ctl, FairPaths, Fairness, Graph, GraphBuilder, Lasso, Ltl, Recurrent, TemporalError,
-    Vacuity, check_ctl, check_ltl, check_ltl_with_vacuity, vacuity_ctl, witness_ctl,
+    Vacuity, check_ctl, check_ctl_while, check_ltl, check_ltl_with_vacuity_while,
+    vacuity_ctl_while, witness_ctl,
 };
 
 /// A fairness constraint: only paths on which it holds are considered.
@@ -22,21 +24,40 @@ pub(crate) enum FairnessFormula {
     Compassion(Formula, Formula),
 }
 
-/// The reason for which a formula cannot be checked.
+/// The reason for which a formula is not checked.
 #[derive(Debug)]
-pub(crate) struct LogicError(pub String);
+pub(crate) enum LogicError {
+    /// A limit was reached.
+    Interrupted,
+    /// It cannot be.
+    Formula(String),
+}
 
 impl LogicError {
     pub fn diagnostic(self) -> Diagnostic {
-        FormulaTooLarge { reason: self.0 }.diagnostic()
+        let reason = self.reason();
+        FormulaTooLarge { reason }.diagnostic()
+    }
+
+    pub fn reason(self) -> String {
+        match self {
+            Self::Interrupted => TemporalError::Interrupted.to_string(),
+            Self::Formula(reason) => reason,
+        }
     }
 }
 
 impl From<TemporalError> for LogicError {
     fn from(error: TemporalError) -> Self {
-        Self(error.to_string())
+        if error == TemporalError::Interrupted {
+            return Self::Interrupted;
+        }
+        Self::Formula(error.to_string())
     }
 }
+
+/// Number of nodes after which the construction of a graph asks whether to go on.
+const NODES_AT_ONCE: u32 = 4096;
 
 /// Returns the value of a formula without temporal operators at a node.
 pub(crate) fn is_true(formula: &Formula, truths: &[Truths], node: u32) -> bool {
@@ -119,16 +140,22 @@ pub(crate) struct Checker {
 }
 
 impl Checker {
-    /// Builds the graph of a complete exploration.
+    /// Builds the graph of a complete exploration, as long as `goes_on` returns true for the memory that it takes.
     pub fn new(
         exploration: &Exploration,
         fairness: &[FairnessFormula],
         fair: FairnessOfSteps<'_>,
+        goes_on: &dyn Fn(usize) -> bool,
     ) -> Result<Self, LogicError> {
         let mut builder = GraphBuilder::new();
+        let mut edges = 0;
         for node in 0..exploration.nodes() {
+            if node.is_multiple_of(NODES_AT_ONCE) && !goes_on(graph_memory(node as usize, edges)) {
+                return Err(LogicError::Interrupted);
+            }
             for (target, label) in exploration.labelled_successors(node) {
                 builder.edge(target, label);
+                edges += 1;
             }
             builder.end_node();
         }
@@ -237,14 +264,26 @@ impl Checker {
         Ok(verdict.violation.is_some())
     }
 
-    /// Checks a temporal formula.
-    pub fn check(&self, kind: PropertyKind, formula: &Formula) -> Result<Checked, LogicError> {
+    /// Returns the bytes that the graph takes.
+    fn memory(&self) -> usize {
+        graph_memory(self.graph.node_count(), self.graph.edge_count())
+    }
+
+    /// Checks a temporal formula, as long as `goes_on` returns true for the memory that this takes.
+    pub fn check(
+        &self,
+        kind: PropertyKind,
+        formula: &Formula,
+        goes_on: &dyn Fn(usize) -> bool,
+    ) -> Result<Checked, LogicError> {
+        let (graph, atoms, fairness) = (&self.graph, &*self.atoms, &*self.fairness);
+        let goes_on: &dyn Fn(usize) -> bool = &|bytes| goes_on(self.memory() + bytes);
         let (verdict, of_ltl) = if kind == PropertyKind::Ltl {
-            check_ltl_with_vacuity(&self.graph, &self.atoms, &ltl(formula)?, &self.fairness)?
+            check_ltl_with_vacuity_while(graph, atoms, &ltl(formula)?, fairness, goes_on)?
         } else {
             let formula = ctl(formula)?;
-            let verdict = check_ctl(&self.graph, &self.atoms, &formula, &self.fairness)?;
-            (verdict, Vacuity::default())
+            let verdict = check_ctl_while(graph, atoms, &formula, fairness, goes_on)?;
+            (verdict, Some(Vacuity::default()))
         };
         let path = verdict.violation.as_ref().map(|it| self.path(it));
         // a formula that holds because some path exists is shown by such a path
@@ -258,10 +297,16 @@ impl Checker {
         let vacuity = if path.is_some() || kind == PropertyKind::Ltl {
             of_ltl
         } else {
-            vacuity_ctl(&self.graph, &self.atoms, &ctl(formula)?, &self.fairness)?
+            match vacuity_ctl_while(graph, atoms, &ctl(formula)?, fairness, goes_on) {
+                Ok(vacuity) => Some(vacuity),
+                Err(TemporalError::Interrupted) => None,
+                Err(error) => return Err(error.into()),
+            }
         };
-        let mut irrelevant: Vec<usize> = vacuity.irrelevant.iter().map(|it| it.atom).collect();
-        irrelevant.dedup();
+        let irrelevant = vacuity.map(|vacuity| {
+            let irrelevant: Vec<usize> = vacuity.irrelevant.iter().map(|it| it.atom).collect();
+            formula.with_all_occurrences(&irrelevant)
+        });
         Ok(Checked {
             path,
             irrelevant,
@@ -298,14 +343,19 @@ impl Checker {
     }
 }
 
+/// Returns the bytes that a graph takes, with the edges backwards.
+fn graph_memory(nodes: usize, edges: usize) -> usize {
+    nodes * 8 + edges * 12
+}
+
 /// The result of checking a temporal formula.
 pub(crate) struct Checked {
     /// A path that violates it.
     pub path: Option<NodePath>,
     /// A path that shows that it holds.
     pub witness: Option<NodePath>,
-    /// Conditions whose values do not matter for a formula that holds.
-    pub irrelevant: Vec<usize>,
+    /// Conditions whose values do not matter for a formula that holds; `None` if a limit was reached before they were found.
+    pub irrelevant: Option<Vec<usize>>,
     pub fair: FairPaths,
 }
 
@@ -380,7 +430,7 @@ impl Operands<'_> {
 }
 
 fn missing() -> LogicError {
-    LogicError("an operator lacks an operand".to_owned())
+    LogicError::Formula("an operator lacks an operand".to_owned())
 }
 
 pub(crate) fn ctl(formula: &Formula) -> Result<Ctl, LogicError> {
@@ -427,7 +477,7 @@ pub(crate) fn ctl(formula: &Formula) -> Result<Ctl, LogicError> {
         | Operator::Historically
         | Operator::Once
         | Operator::Since
-        | Operator::Triggered => Err(LogicError("an operator of LTL in CTL".to_owned())),
+        | Operator::Triggered => Err(LogicError::Formula("an operator of LTL in CTL".to_owned())),
     }
 }
 
@@ -436,7 +486,9 @@ pub(crate) fn ltl(formula: &Formula) -> Result<Ltl, LogicError> {
         Formula::Constant(true) => return Ok(Ltl::True),
         Formula::Constant(false) => return Ok(Ltl::False),
         Formula::Condition(index) => return Ok(Ltl::Atom(*index)),
-        Formula::Repeat(..) => return Err(LogicError("an operator of CTL in LTL".to_owned())),
+        Formula::Repeat(..) => {
+            return Err(LogicError::Formula("an operator of CTL in LTL".to_owned()));
+        }
         Formula::Apply(operator, operands) => (operator, operands),
     };
     let all = || operands.iter().map(ltl).collect::<Result<Vec<Ltl>, _>>();
@@ -466,6 +518,6 @@ pub(crate) fn ltl(formula: &Formula) -> Result<Ltl, LogicError> {
         | Operator::Eg
         | Operator::Ag
         | Operator::Eu
-        | Operator::Au => Err(LogicError("an operator of CTL in LTL".to_owned())),
+        | Operator::Au => Err(LogicError::Formula("an operator of CTL in LTL".to_owned())),
     }
 }

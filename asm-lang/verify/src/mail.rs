@@ -74,7 +74,7 @@ pub(crate) struct ServedOperation {
     pub operation: String,
     /// `true` if the machine replies to it.
     pub is_answered: bool,
-    /// Possible contents of requests from outside; empty if a machine of the system sends them.
+    /// Possible contents of requests from outside; empty if there are none.
     pub requests: Vec<Value>,
 }
 
@@ -187,6 +187,7 @@ impl MessagePlan {
                 links: &links,
                 contents,
                 scripted,
+                is_open: system.ignores_names.then(|| system.open.contains(&index)),
                 report: Report::new(),
             };
             let (messages, report) = own.messages();
@@ -233,6 +234,9 @@ fn is_of_partner(partner: &asmotion_lang::hir::Term) -> bool {
 /// that it is asked for.
 fn links_by_name(system: &SystemSpecification) -> Vec<MessageLink> {
     let mut links = system.message_links.clone();
+    if system.ignores_names {
+        return links;
+    }
     for (client, known) in system.machines.iter().enumerate() {
         for (partner, operation) in asked_operations(known) {
             let is_linked = |link: &MessageLink| link.client == client && link.partner == partner;
@@ -277,6 +281,8 @@ struct MailReader<'a> {
     links: &'a [MessageLink],
     contents: &'a [ContentValues],
     scripted: &'a [ScriptedAnswer],
+    /// Whether components outside the verified system send requests; `None` derives it from the links.
+    is_open: Option<bool>,
     report: Report,
 }
 
@@ -329,12 +335,14 @@ impl MailReader<'_> {
                 known.is_answered |= used.is_reply;
                 continue;
             }
-            let has_client = self.links.iter().any(|it| it.provider == self.index)
-                || self.has_local_client(operation);
-            let requests = if has_client {
-                Vec::new()
-            } else {
+            let is_open = self.is_open.unwrap_or_else(|| {
+                let mut links = self.links.iter();
+                links.all(|it| it.provider != self.index) && !self.has_local_client(operation)
+            });
+            let requests = if is_open {
                 self.requests(operation, used.at)
+            } else {
+                Vec::new()
             };
             messages.served.push(ServedOperation {
                 operation: operation.to_owned(),

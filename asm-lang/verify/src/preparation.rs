@@ -3,9 +3,11 @@
 use crate::codes::m003::NoTemporalFormula;
 use crate::explore::Conditions;
 use crate::final_states;
-use crate::formula::{Formula, Formulas, Logic};
+use crate::formula::{Formula, FormulaProblem, Formulas, NoFormula};
+use crate::hints::{self, KnownNames};
 use crate::logic::FairnessFormula;
 use crate::observer::ObserverMachine;
+use crate::operator::{Logic, TemporalFunctions};
 use crate::options::Options;
 use crate::property::PropertyKind;
 use crate::qualifier::{qualifiers, unqualified};
@@ -68,7 +70,11 @@ pub(crate) fn prepare(
     for (index, machine) in machines.iter_mut().enumerate() {
         machine.specification.lower().map_err(|it| (index, it))?;
     }
-    let mut given = given(machines, options, observer)?;
+    let invariants = declared.iter().flat_map(|(invariants, _)| invariants);
+    let properties = declared.iter().flat_map(|(_, properties)| properties);
+    let named = invariants.map(|it| it.name.to_string());
+    let named = named.chain(properties.filter_map(|it| it.name.as_ref().map(ToString::to_string)));
+    let mut given = given(machines, options, observer, &named.collect::<Vec<String>>())?;
     let mut prepared = Prepared {
         checked_constraints: options.checked_constraints.clone(),
         ..Prepared::default()
@@ -116,6 +122,7 @@ impl Prepared {
             provided,
             prepared: self,
             formulas: Formulas {
+                temporal: TemporalFunctions::of(&specification.model),
                 model: &mut specification.model,
                 machine: &machine,
                 first_condition,
@@ -205,6 +212,7 @@ fn given(
     machines: &mut [VerifiedMachine],
     options: &Options,
     observer: &ObserverMachine,
+    properties: &[String],
 ) -> Result<Vec<GivenTerm>, (usize, Report)> {
     let with = |usage: GivenUse, texts: &[String]| -> Vec<(GivenUse, String)> {
         texts.iter().map(|text| (usage, text.clone())).collect()
@@ -215,9 +223,16 @@ fn given(
     let ends: Vec<String> = options.ends.iter().cloned().collect();
     all.extend(with(GivenUse::Ends, &ends));
     let names: Vec<String> = machines.iter().map(|it| it.name.clone()).collect();
+    let known = KnownNames {
+        machines: &names,
+        properties,
+    };
     let mut resolved = Vec::new();
     for (usage, text) in all {
-        resolved.push(resolve(machines, &names, observer, usage, text)?);
+        let term = resolve(machines, &names, observer, usage, text.clone());
+        resolved.push(
+            term.map_err(|(index, report)| (index, known.hinted(report, &text, index, machines)))?,
+        );
     }
     for (index, machine) in machines.iter_mut().enumerate() {
         if let Some(text) = final_states::condition(&machine.specification) {
@@ -286,7 +301,13 @@ pub(crate) fn add(specification: &mut Specification, text: &str) -> Result<Expre
     let path = paths.find(|path| sources.find(path).is_none());
     let file = sources.add(&path.unwrap_or_default(), text);
     let term = asmotion_lang::syntax::parse_term(file, text)?;
-    specification.model.add_condition(&term, "a property")?;
+    while let Err(report) = specification.model.add_condition(&term, "a property") {
+        // operators are available in properties from outside, whatever the specification imports
+        let library = hints::missing_library(&report, &specification.sources);
+        if !library.is_some_and(|it| specification.offer_library(it)) {
+            return Err(report);
+        }
+    }
     let added = specification.model.added.terms.pop();
     added.ok_or_else(Report::new)
 }
@@ -312,6 +333,14 @@ impl Preparation<'_> {
     fn invariant(&mut self, invariant: Invariant) {
         let root = invariant.condition.root;
         let text = self.text(root.span);
+        if let Some(logic) = self.formulas.logic(&root) {
+            let problem = NoFormula {
+                at: root.span,
+                problem: FormulaProblem::Invariant(logic),
+            };
+            self.report.push(NoTemporalFormula { problem }.diagnostic());
+            return;
+        }
         let reads = Reads::of(self.formulas.model, &root, self.provided);
         let place = invariant.span;
         let antecedents = self.formulas.antecedents(&root);

@@ -1,6 +1,7 @@
 //! Properties and the results of checking them.
 
 use crate::counterexample::Run;
+use crate::explore::Incomplete;
 use asmotion_diagnostics::Span;
 use asmotion_lang::Diagnostic;
 
@@ -65,7 +66,7 @@ pub enum Verdict {
     Holds(Option<Box<Run>>),
     /// It is violated; with a run that shows it, if one run can.
     Violated(Option<Box<Run>>),
-    /// Not known, because not all states were explored.
+    /// Not known, because not all states were explored, or a limit was reached before it was decided.
     Unknown,
 }
 
@@ -107,6 +108,10 @@ pub enum Note {
     },
     /// Further places where it is violated.
     Also(Vec<String>),
+    /// It was not decided, although all states were explored: a limit was reached.
+    Undecided(Incomplete),
+    /// It holds, but a limit was reached before it was known whether the values of some conditions do not matter.
+    Unexamined(Incomplete),
     /// Some steps fail. They have no next state, which can be the reason for the violation.
     FailingSteps,
 }

@@ -18,13 +18,16 @@ use asmotion_diagnostics::Finding;
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::{Machine, Report, Specification};
 use asmotion_symbolic::{
-    ModelSource, Reached, SearchLimit, SearchProgress, SymbolicError, SymbolicModel,
+    ModelSource, Reached, ReachedCounts, SearchLimit, SearchProgress, SymbolicError, SymbolicModel,
 };
 use judge::SymbolicJudge;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 /// Memory for diagrams if there is no limit, in bytes.
 const MEMORY: u64 = 4 << 30;
+
+/// Bytes of the stack.
+const STACK: usize = 128 << 20;
 
 /// The result of an exploration with decision diagrams.
 pub(crate) struct Found {
@@ -59,15 +62,28 @@ impl Symbolic<'_> {
     /// # Errors
     /// The specification has no representation as diagrams.
     pub fn run(&self, proceed: &mut dyn FnMut(Progress) -> bool) -> Result<Found, Report> {
+        // operations on diagrams recurse once for each variable: they find the stack large enough
+        stacker::maybe_grow(STACK / 2, STACK, || self.explore(proceed))
+    }
+
+    fn explore(&self, proceed: &mut dyn FnMut(Progress) -> bool) -> Result<Found, Report> {
         let proceed = RefCell::new(proceed);
-        let last = RefCell::new(Progress {
+        let last = Cell::new(Progress {
             states: 1,
             explored: 0,
             transitions: 0,
             depth: 0,
             memory: 0,
         });
-        let again = || (proceed.borrow_mut())(*last.borrow());
+        let again = || (proceed.borrow_mut())(last.get());
+        let within_operations = |nodes: usize| {
+            let memory = nodes as u64 * SymbolicModel::NODE_BYTES;
+            last.set(Progress {
+                memory,
+                ..last.get()
+            });
+            again()
+        };
         let ranges = |function: FunctionId| self.ranges.of(function).ok().map(<[_]>::to_vec);
         let conditions: Vec<_> = self
             .properties
@@ -82,67 +98,95 @@ impl Symbolic<'_> {
             conditions: &conditions,
             assumed: &self.properties.conditions.assumed,
             memory: self.options.limits.memory.unwrap_or(MEMORY),
+            proceed: &within_operations,
         };
-        let explain = |error: SymbolicError| self.explain(error);
-        let model = match SymbolicModel::of(&source, &mut || again()) {
+        let model = match SymbolicModel::of(&source) {
             Ok(model) => model,
             Err(SymbolicError::Memory) => return Ok(self.nothing(Incomplete::Memory)),
             Err(SymbolicError::Stopped) => return Ok(self.nothing(Incomplete::Stopped)),
-            Err(error) => return Err(explain(error)),
+            Err(error) => return Err(self.explain(error)),
         };
+        self.judged(&model, &last, &again)
+    }
+
+    /// Finds all states and checks the properties in them.
+    fn judged(
+        &self,
+        model: &SymbolicModel<'_>,
+        last: &Cell<Progress>,
+        again: &dyn Fn() -> bool,
+    ) -> Result<Found, Report> {
         let limits = (self.options.limits.states, self.options.limits.depth);
         let mut searching = |search: SearchProgress| {
-            *last.borrow_mut() = Progress {
+            last.set(Progress {
                 states: search.states,
                 explored: search.states,
                 transitions: 0,
                 depth: search.depth,
                 memory: search.memory,
-            };
+            });
             again()
         };
-        let reached = model.reach(limits, &mut searching).map_err(explain)?;
+        let reached = match model.reach(limits, &mut searching) {
+            Ok(reached) => reached,
+            Err(SymbolicError::Memory) => return Ok(self.nothing(Incomplete::Memory)),
+            Err(SymbolicError::Stopped) => return Ok(self.nothing(Incomplete::Stopped)),
+            Err(error) => return Err(self.explain(error)),
+        };
         if reached.rings.is_empty() {
             return Ok(Found {
                 has_initial: false,
                 ..self.nothing(Incomplete::Depth)
             });
         }
-        let judge = SymbolicJudge::new(self, &model, &reached, &again);
+        let judge = SymbolicJudge::new(self, model, &reached, again);
         let properties = judge.verdicts()?;
-        self.found(&model, &reached, judge.incomplete(), properties)
+        let states = last.get().states;
+        self.found(model, &reached, judge.incomplete(), properties, states)
     }
 
     fn found(
         &self,
-        model: &SymbolicModel,
+        model: &SymbolicModel<'_>,
         reached: &Reached,
         incomplete: Option<Incomplete>,
         properties: Vec<CheckedProperty>,
+        found_states: u64,
     ) -> Result<Found, Report> {
-        let counts = match model.counts(reached) {
-            Ok(counts) => Some(counts),
-            Err(SymbolicError::Memory) => None,
-            Err(error) => return Err(self.explain(error)),
-        };
+        let counts = self.sufficed(model.counts(reached))?;
         let has_paths = self.properties.needs_graph() && incomplete.is_none();
-        let ends = match has_paths.then(|| model.ends(reached)) {
-            Some(Ok(count)) => count.unwrap_or(u64::MAX),
-            None | Some(Err(SymbolicError::Memory)) => 0,
-            Some(Err(error)) => return Err(self.explain(error)),
+        let ends = if has_paths {
+            self.sufficed(model.ends(reached))?
+        } else {
+            None
         };
-        let count = |count: Option<Option<u64>>| count.flatten().unwrap_or(u64::MAX);
+        // a transition led to each of the states that were found, if there is no time to count them
+        let uncounted = ReachedCounts {
+            states: Some(found_states),
+            transitions: Some(found_states),
+            excluded: Some(0),
+        };
+        let counts = counts.unwrap_or(uncounted);
         Ok(Found {
             properties,
-            states: count(counts.as_ref().map(|it| it.states)),
-            transitions: count(counts.as_ref().map(|it| it.transitions)),
-            excluded: counts.and_then(|it| it.excluded).unwrap_or(0),
-            ends,
+            states: counts.states.unwrap_or(u64::MAX),
+            transitions: counts.transitions.unwrap_or(u64::MAX),
+            excluded: counts.excluded.unwrap_or(0),
+            ends: ends.map_or(0, |count| count.unwrap_or(u64::MAX)),
             depth: (reached.rings.len() as u32).saturating_sub(1),
             memory: model.memory(),
             incomplete,
             has_initial: true,
         })
+    }
+
+    /// Returns a result unless the memory or the time was not sufficient for it.
+    fn sufficed<T>(&self, result: Result<T, SymbolicError>) -> Result<Option<T>, Report> {
+        match result {
+            Ok(result) => Ok(Some(result)),
+            Err(SymbolicError::Memory | SymbolicError::Stopped) => Ok(None),
+            Err(error) => Err(self.explain(error)),
+        }
     }
 
     /// The result if nothing is known but the initial state.

@@ -29,6 +29,11 @@ pub struct SystemSpecification {
     pub connections: Vec<InputConnection>,
     /// Partners that machines of the system are, in addition to those found by name.
     pub message_links: Vec<MessageLink>,
+    /// `true` if nothing follows from names: inputs without a connection have any value, a partner without a link is not part of the
+    /// system, and requests from outside come only to `open`.
+    pub ignores_names: bool,
+    /// Indices of the machines to which requests also come from outside, if names are ignored.
+    pub open: Vec<usize>,
     /// Which machines make a step at a time.
     pub schedule: MachineSchedule,
     /// The source of inputs that no machine provides.
@@ -123,6 +128,9 @@ impl SystemSpecification {
     /// # Errors
     /// Several machines have the function: the machine that reads it, and a report.
     pub(crate) fn connect_by_name(&mut self) -> Result<(), (usize, Report)> {
+        if self.ignores_names {
+            return Ok(());
+        }
         let mut found = Vec::new();
         for (machine, input) in self.inputs() {
             if self.is_connected(machine, input) {

@@ -1,10 +1,12 @@
 //! Verdicts: the properties, checked in everything that was explored.
 
 use crate::counterexample::{NodePath, Replay, Run};
+use crate::deciding::Deciding;
 use crate::explore::Incomplete;
-use crate::formula::{Formula, Operator};
+use crate::formula::Formula;
 use crate::logic::{self, Checker, FairnessOfSteps, LogicError};
 use crate::observer::OBSERVER;
+use crate::operator::Operator;
 use crate::preparation::{Prepared, Property};
 use crate::property::{CheckedProperty, Note, PropertyKind, Verdict};
 use crate::system::VerifiedMachine;
@@ -95,19 +97,22 @@ pub(crate) fn verdicts<S: TransitionSystem>(
     prepared: &Prepared,
     replay: &Replay<'_, S>,
     only: &[String],
+    deciding: &Deciding<'_>,
 ) -> Result<Vec<CheckedProperty>, LogicError> {
     let exploration = replay.exploration;
     // without transitions, no property that needs them is wanted
     let checker =
         if exploration.keeps_edges && prepared.needs_graph() && exploration.incomplete.is_none() {
-            Some(Checker::new(
-                exploration,
-                &prepared.fairness,
-                FairnessOfSteps {
-                    scheduled: &replay.system.fairness(),
-                    due: replay.fair,
-                },
-            )?)
+            let fair = FairnessOfSteps {
+                scheduled: &replay.system.fairness(),
+                due: replay.fair,
+            };
+            let goes_on = |bytes| deciding.goes_on(bytes);
+            match Checker::new(exploration, &prepared.fairness, fair, &goes_on) {
+                Ok(checker) => Some(checker),
+                Err(LogicError::Interrupted) => None,
+                Err(error) => return Err(error),
+            }
         } else {
             None
         };
@@ -115,6 +120,7 @@ pub(crate) fn verdicts<S: TransitionSystem>(
         prepared,
         replay,
         checker,
+        deciding,
     };
     let properties = prepared.properties.iter().filter(|it| it.is_wanted(only));
     let mut checked = properties
@@ -127,20 +133,24 @@ pub(crate) fn verdicts<S: TransitionSystem>(
 }
 
 /// Everything that a verdict depends on.
-struct Judge<'a, S> {
+struct Judge<'a, 'd, S> {
     prepared: &'a Prepared,
     replay: &'a Replay<'a, S>,
-    /// `None` if no property needs it, or if not all transitions are known.
+    /// `None` if no property needs it, if not all transitions are known, or if a limit was reached before it was complete.
     checker: Option<Checker>,
+    deciding: &'a Deciding<'d>,
 }
 
-impl<S: TransitionSystem> Judge<'_, S> {
+impl<S: TransitionSystem> Judge<'_, '_, S> {
     fn property(&self, property: &Property) -> Result<CheckedProperty, LogicError> {
         let mut notes = self.notes(property);
         let verdict = match (self.prepared.of_nodes(property), &self.checker) {
             (Some((which, formula)), _) => self.of_nodes(which, formula),
             (None, Some(checker)) => self.of_paths(property, checker, &mut notes)?,
-            (None, None) => Verdict::Unknown,
+            (None, None) => {
+                notes.extend(self.deciding.ended().map(Note::Undecided));
+                Verdict::Unknown
+            }
         };
         if verdict.holds() {
             notes.extend(self.unmet(property));
@@ -181,7 +191,15 @@ impl<S: TransitionSystem> Judge<'_, S> {
         checker: &Checker,
         notes: &mut Vec<Note>,
     ) -> Result<Verdict, LogicError> {
-        let checked = checker.check(property.kind, &property.formula)?;
+        let goes_on = |bytes| self.deciding.goes_on(bytes);
+        let checked = match checker.check(property.kind, &property.formula, &goes_on) {
+            Ok(checked) => checked,
+            Err(LogicError::Interrupted) => {
+                notes.extend(self.deciding.ended().map(Note::Undecided));
+                return Ok(Verdict::Unknown);
+            }
+            Err(error) => return Err(error),
+        };
         match checked.fair {
             FairPaths::FromAll => {}
             FairPaths::FromSome => notes.push(Note::Unfair { all: false }),
@@ -199,11 +217,14 @@ impl<S: TransitionSystem> Judge<'_, S> {
             }
             return Ok(Verdict::Violated(Some(run)));
         }
-        let irrelevant: Vec<String> = checked
-            .irrelevant
-            .iter()
-            .filter_map(|condition| self.prepared.texts.get(*condition).cloned())
-            .collect();
+        if checked.irrelevant.is_none() {
+            notes.extend(self.deciding.ended().map(Note::Unexamined));
+        }
+        let irrelevant = checked.irrelevant.iter().flatten();
+        let irrelevant = irrelevant.filter_map(|it| self.prepared.texts.get(*it).cloned());
+        let mut irrelevant: Vec<String> = irrelevant.collect();
+        // a quantifier repeats its condition
+        irrelevant.dedup();
         if !irrelevant.is_empty() && checked.fair != FairPaths::FromNone {
             notes.push(Note::Irrelevant(irrelevant));
         }

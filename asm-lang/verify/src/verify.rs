@@ -7,6 +7,7 @@ use crate::codes::m006::NothingAssumed;
 use crate::codes::m013::StorageFailure;
 use crate::codes::main_rule;
 use crate::counterexample::Replay;
+use crate::deciding::Deciding;
 use crate::due_fairness::DueFairness;
 use crate::environment::EnvironmentModel;
 use crate::explore::{Exploration, ExplorationError, ExplorationOptions, Incomplete, Progress};
@@ -380,7 +381,8 @@ impl Exploring<'_> {
             fair: self.fair,
             keeps_states: self.options.keeps_states,
         };
-        let properties = verdicts(self.properties, &replay, &self.options.only)
+        let deciding = Deciding::new(&exploration, self.options.limits.memory, &mut *proceed);
+        let properties = verdicts(self.properties, &replay, &self.options.only, &deciding)
             .map_err(|error| (0, report_of(error.diagnostic())))?;
         // A step of the specification makes the same updates in the cone as a step there, unless it fails. What holds in all states of
         // the cone therefore holds in all states; a run in the cone may not be one of the specification.

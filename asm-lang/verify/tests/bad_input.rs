@@ -80,6 +80,9 @@ fn wrong_properties_are_explained() {
         ("property_ill_typed", "ag(isOn implies level)"),
         ("property_incomplete", "ag("),
         ("property_of_two_logics", "not ag(f(isOn))"),
+        ("property_in_capitals", "AG(isOn implies AX(isOn))"),
+        ("property_in_words", "always isOn"),
+        ("property_with_a_misspelt_name", "inv_of"),
     ] {
         let options = Options {
             properties: vec![text.to_owned()],

@@ -180,6 +180,24 @@ fn a_property_about_several_machines() {
 }
 
 #[test]
+fn names_of_machines_that_are_missing_or_misspelt() {
+    let rendered = |property: &str| {
+        let machines = system(vec![machine("door", DOOR), machine("watch", WATCH)]);
+        let options = Options {
+            properties: vec![property.to_owned()],
+            ..Options::default()
+        };
+        refusal(machines, &options)
+    };
+    insta::assert_snapshot!(
+        "machine_misspelt",
+        rendered("wach.hasMoved implies door.moving")
+    );
+    insta::assert_snapshot!("machine_unknown", rendered("lock.isClosed"));
+    insta::assert_snapshot!("machine_missing", rendered("hasMoved implies request"));
+}
+
+#[test]
 fn a_message_that_does_not_fit_into_a_mailbox() {
     let sensor = "asm sensor
 import StandardLibrary

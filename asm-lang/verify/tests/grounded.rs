@@ -3,7 +3,7 @@
 use crate::naive::Random;
 use crate::open;
 use asmotion_lang::Specification;
-use asmotion_verify::{Options, Verdict, Verification, verify};
+use asmotion_verify::{Note, Options, PropertyKind, Verdict, Verification, verify};
 
 /// Everything in which two verifications of one specification must agree.
 fn summary(verification: &Verification) -> String {
@@ -89,6 +89,42 @@ fn grounded_random_specifications_have_the_results_of_machines() {
         grounded += u32::from(found.is_some_and(|it| it.is_grounded));
     }
     assert!(grounded > 250, "{grounded}");
+}
+
+/// A condition is evaluated in a new state only if the step has changed something that it reads. Without inputs, each state is one
+/// node.
+#[test]
+fn conditions_keep_their_values_while_nothing_that_they_read_changes() {
+    let mut random = Random(0x51de_5678_9abc_def1);
+    let (mut grounded, mut undefined, mut violated) = (0, 0, 0);
+    for _ in 0..300 {
+        let text = random.specification().replace("monitored", "controlled");
+        let text = text.replace(
+            "function p = false",
+            "function p = false\n  function left = true\n  function right = undef",
+        );
+        let properties = std::iter::repeat_with(|| random.condition(2)).take(8);
+        let options = Options {
+            properties: properties.collect(),
+            ..Options::default()
+        };
+        let Some(found) = compared(&text, || open(&text), &options) else {
+            continue;
+        };
+        grounded += u32::from(found.is_grounded);
+        let conditions = found.properties.iter();
+        let conditions = conditions.filter(|it| it.kind == PropertyKind::Invariant);
+        for condition in conditions {
+            let mut notes = condition.notes.iter();
+            undefined += u32::from(notes.any(|it| matches!(it, Note::Undefined(_))));
+            let run = condition.verdict.run();
+            violated += u32::from(run.is_some_and(|run| run.steps.len() > 1));
+        }
+    }
+    assert!(
+        grounded > 250 && undefined > 80 && violated > 20,
+        "{grounded} {undefined} {violated}"
+    );
 }
 
 #[test]
@@ -262,4 +298,29 @@ fn the_shared_specifications_have_the_results_of_machines() {
             assert!(opened > 2 && grounded > 1, "{opened} {grounded}");
         }
     }
+}
+
+/// Each of the nested calls uses its argument twice, so that the grounded term would have 2^24 parts.
+#[test]
+fn a_term_that_would_be_copied_too_often_is_left_to_a_machine() {
+    let nested = (0..24).fold("n".to_owned(), |term, _| format!("doubled({term})"));
+    let text = format!(
+        "asm nested
+import StandardLibrary
+signature:
+  domain Number subsetof Integer
+  controlled n: Number
+  derived doubled: Number -> Number
+definitions:
+  domain Number = {{0 : 6}}
+  function doubled($x in Number) = ($x + $x) mod 7
+  main rule r_Main = n := {nested}
+default init s0:
+  function n = 1
+"
+    );
+    let found = verify(open(&text), &Options::default(), &mut |_| true).unwrap();
+    assert!(!found.is_grounded);
+    // 2^24 is 1 modulo 7
+    assert_eq!(found.states, 1);
 }

@@ -31,7 +31,7 @@ fn step(random: &mut Random, from: usize) -> String {
     format!("if {guard} then par place($a) := {to} {update} endpar endif")
 }
 
-fn specification(random: &mut Random) -> String {
+pub fn specification(random: &mut Random) -> String {
     let steps: Vec<String> = (0..3).map(|from| step(random, from)).collect();
     let last = match random.below(3) {
         0 => "place($a) := 0".to_owned(),

@@ -1,7 +1,7 @@
 //! Models with known verdicts.
 
 use crate::{verdicts, verified};
-use asmotion_verify::{Limits, Options};
+use asmotion_verify::{Engine, Incomplete, Limits, Note, Options};
 
 pub const PHILOSOPHERS: &str = include_str!("models/philosophers.asm");
 pub const LAMP: &str = include_str!("models/lamp.asm");
@@ -44,6 +44,211 @@ fn the_lamp_is_verified_for_the_inputs_that_are_assumed() {
     // of each state with the inputs that the properties mention, one combination of four
     assert_eq!(verification.excluded, 4);
     assert_eq!(verification.assumptions, ["not (isPressed and isLocked)"]);
+}
+
+#[test]
+fn operators_are_available_in_properties_from_outside() {
+    let text = LAMP.lines().filter(|line| {
+        let uses = ["CTL", "LTL"];
+        !uses.iter().any(|it| line.contains(it))
+    });
+    let text = text.collect::<Vec<_>>().join("\n");
+    let properties = [
+        ("ag(isOn implies ef(not isOn))", "holds"),
+        ("absenceG(isOn)", "violated"),
+        // a tuple stands for all operands
+        ("eu((not isOn, isOn))", "holds"),
+        ("g(isOn implies f(not isOn))", "violated"),
+        ("isOn implies isOn", "holds"),
+    ];
+    let selected: Vec<String> = properties.iter().map(|(it, _)| (*it).to_owned()).collect();
+    for engine in [Engine::Explicit, Engine::Symbolic] {
+        let options = Options {
+            properties: selected.clone(),
+            only: selected.clone(),
+            engine,
+            ..Options::default()
+        };
+        let found = verdicts(&verified(&text, &options));
+        let expected = properties.map(|(text, verdict)| (text.to_owned(), verdict));
+        assert_eq!(found, expected);
+    }
+}
+
+const PATTERNS: &str = "asm crossing
+import StandardLibrary
+import CTLLibrary
+import LTLLibrary
+signature:
+  enum domain Robot = {R1 | R2}
+  enum domain Place = {OUT | WAITING | IN}
+  controlled place: Robot -> Place
+  static answered: Prod(Boolean, Boolean) -> Boolean
+  static reaches: Prod(Robot, Place) -> Boolean
+  static never: Boolean -> Boolean
+  derived canMeet: Boolean
+  derived level: Integer
+  static endless: Boolean -> Boolean
+definitions:
+  // declared after its use
+  function answered($p in Boolean, $q in Boolean) = ag($p implies never(never($q)))
+  function never($p in Boolean) = not ef($p)
+  function reaches($r in Robot, $to in Place) = ag(ef(place($r) = $to))
+  function canMeet = ef(place(R1) = IN and place(R2) = IN)
+  function level = if ag(place(R1) = OUT) then 1 else 2 endif
+  function endless($p in Boolean) = ax($p) and endless(ax($p))
+  main rule r_Main = choose $r in Robot with true do
+    switch place($r)
+      case OUT: place($r) := WAITING
+      case WAITING: if (forall $o in Robot with place($o) != IN) then place($r) := IN endif
+      case IN: place($r) := OUT
+    endswitch
+default init s0:
+  function place($r in Robot) = OUT
+";
+
+#[test]
+fn properties_apply_functions_that_are_defined_by_temporal_operators() {
+    let properties = [
+        (
+            "(forall $r in Robot, $p in Place with reaches($r, $p))",
+            "holds",
+        ),
+        ("reaches(R1, IN) implies canMeet", "violated"),
+        ("not canMeet", "holds"),
+        ("never(place(R1) = IN)", "violated"),
+        (
+            "ag(place(R1) = WAITING implies not never(place(R1) = IN))",
+            "holds",
+        ),
+        ("answered(place(R1) = WAITING, place(R1) = IN)", "holds"),
+        // a definition may contain all that a property may
+        ("absenceAfter(place(R1) = OUT, place(R1) = IN)", "violated"),
+        (
+            "absenceBefore(place(R1) = IN, place(R1) = WAITING)",
+            "holds",
+        ),
+        ("ap(place(R1) = IN, place(R1) = WAITING)", "holds"),
+        (
+            "pb(place(R2) = IN, place(R2) = WAITING, place(R1) = IN)",
+            "holds",
+        ),
+        (
+            "absenceBetween(place(R2) = IN, place(R1) = IN, place(R1) = OUT)",
+            "holds",
+        ),
+        (
+            "absenceAfterUntil(place(R2) = WAITING, place(R1) = IN, place(R1) = OUT)",
+            "violated",
+        ),
+        ("ew(place(R1) = OUT, place(R1) = IN)", "holds"),
+        ("aw(place(R1) != IN, place(R1) = WAITING)", "holds"),
+    ];
+    let selected: Vec<String> = properties.iter().map(|(it, _)| (*it).to_owned()).collect();
+    for engine in [Engine::Explicit, Engine::Symbolic] {
+        let options = Options {
+            properties: selected.clone(),
+            only: selected.clone(),
+            engine,
+            ..Options::default()
+        };
+        let found = verdicts(&verified(PATTERNS, &options));
+        let expected = properties.map(|(text, verdict)| (text.to_owned(), verdict));
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn an_invariant_has_no_temporal_operators() {
+    for condition in ["ag(ef(place(R1) = IN))", "place(R1) = IN or canMeet"] {
+        let invariant = format!("  invariant inv_wrong over place: {condition}\n  main rule");
+        let text = PATTERNS.replace("  main rule", &invariant);
+        let mut files = asmotion_lang::MemoryFiles::new();
+        files.add("crossing.asm", text);
+        let specification = asmotion_lang::open("crossing.asm", &files).unwrap();
+        let options = Options::default();
+        let refusal = asmotion_verify::verify(specification, &options, &mut |_| true).unwrap_err();
+        let text = crate::refused(&refusal);
+        assert!(text.contains("an invariant is about one state"), "{text}");
+        assert!(text.contains("declare a CTLSPEC"), "{text}");
+    }
+}
+
+/// An operand of a pattern occurs several times in it: only if none of them matters, the operand does not.
+#[test]
+fn an_operand_of_a_pattern_matters_if_one_of_its_occurrences_does() {
+    let property = "(forall $r in Robot with ap(place($r) = IN, place($r) = WAITING))";
+    for engine in [Engine::Explicit, Engine::Symbolic] {
+        let options = Options {
+            properties: vec![property.to_owned()],
+            only: vec![property.to_owned()],
+            engine,
+            ..Options::default()
+        };
+        let found = verified(PATTERNS, &options);
+        assert_eq!(verdicts(&found), [(property.to_owned(), "holds")]);
+        let notes = &found.properties[0].notes;
+        let irrelevant = notes.iter().any(|it| matches!(it, Note::Irrelevant(_)));
+        assert!(!irrelevant, "{notes:?}");
+    }
+}
+
+#[test]
+fn definitions_that_are_no_formulas_are_refused_where_they_are_applied() {
+    for (property, problem) in [
+        ("level = 2", "a temporal operator is inside a term"),
+        (
+            "endless(place(R1) = OUT)",
+            "a temporal operator is inside a term",
+        ),
+        (
+            "g(absenceG(place(R1) = IN))",
+            "`absenceG` is no operator of LTL",
+        ),
+        ("f(axN(place(R1) = IN, 2n))", "`axN` is no operator of LTL"),
+        // not a literal
+        (
+            "reaches(R1, place(R2))",
+            "a temporal operator is inside a term",
+        ),
+    ] {
+        let mut files = asmotion_lang::MemoryFiles::new();
+        files.add("crossing.asm", PATTERNS);
+        let specification = asmotion_lang::open("crossing.asm", &files).unwrap();
+        let options = Options {
+            properties: vec![property.to_owned()],
+            ..Options::default()
+        };
+        let refusal = asmotion_verify::verify(specification, &options, &mut |_| true).unwrap_err();
+        let text = crate::refused(&refusal);
+        assert!(
+            text.contains("M003") && text.contains(problem),
+            "{property}: {text}"
+        );
+        assert!(text.contains("<property>"), "{text}");
+    }
+}
+
+#[test]
+fn a_function_of_the_specification_hides_an_operator() {
+    let text = "asm hidden
+import StandardLibrary
+signature:
+  controlled f: Integer -> Boolean
+definitions:
+  main rule r_Main = f(1) := not f(1)
+default init s0:
+  function f($i in Integer) = false
+";
+    let properties = ["f(1)".to_owned(), "ag(ef(f(1)))".to_owned()];
+    let options = Options {
+        properties: properties.to_vec(),
+        only: properties.to_vec(),
+        ..Options::default()
+    };
+    let found = verdicts(&verified(text, &options));
+    let found: Vec<&str> = found.iter().map(|(_, verdict)| *verdict).collect();
+    assert_eq!(found, ["violated", "holds"]);
 }
 
 #[test]
@@ -209,4 +414,111 @@ fn vacuous_properties_are_marked() {
         .iter()
         .filter(|it| it.name.as_deref() == Some("can_be_dark"));
     assert!(others.clone().count() == 1 && others.into_iter().all(|it| it.notes.is_empty()));
+}
+
+/// The philosophers, verified until all states are explored.
+fn explored_only(limits: Limits) -> asmotion_verify::Verification {
+    let options = Options {
+        limits,
+        ..Options::default()
+    };
+    let specification = crate::open(PHILOSOPHERS);
+    let found = asmotion_verify::verify(specification, &options, &mut |progress| {
+        limits.memory.is_some() || progress.explored < progress.states
+    });
+    found.unwrap_or_else(|refusal| panic!("{}", crate::refused(&refusal)))
+}
+
+/// Returns the limit that was reached before each property was decided.
+fn undecided(found: &asmotion_verify::Verification) -> Vec<(String, Incomplete)> {
+    let properties = found.properties.iter();
+    let undecided = properties.filter_map(|it| {
+        let mut notes = it.notes.iter();
+        let limit = notes.find_map(|note| {
+            if let Note::Undecided(limit) = note {
+                Some(*limit)
+            } else {
+                None
+            }
+        })?;
+        assert!(matches!(it.verdict, asmotion_verify::Verdict::Unknown));
+        Some((it.name.clone().unwrap_or_default(), limit))
+    });
+    undecided.collect()
+}
+
+#[test]
+fn a_property_is_not_decided_beyond_a_limit() {
+    let found = explored_only(Limits::default());
+    assert_eq!(found.incomplete, None);
+    let names: Vec<String> = undecided(&found)
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    assert_eq!(names, ["eats", "recovers", "hungry", "ordered"]);
+    let kept = verdicts(&found);
+    assert_eq!(kept[0], ("inv_exclusive".to_owned(), "holds"));
+    assert_eq!(kept[1], ("inv_wrong".to_owned(), "violated"));
+}
+
+#[test]
+fn a_property_is_not_decided_beyond_the_memory() {
+    let all = verified(PHILOSOPHERS, &Options::default());
+    // more than the exploration takes, and less than the formulas do
+    let limits = (1..).map(|part| all.memory + all.memory * part / 16);
+    let found = limits.map(|memory| {
+        explored_only(Limits {
+            memory: Some(memory),
+            ..Limits::default()
+        })
+    });
+    let explored = found.take(64).find(|it| it.incomplete.is_none()).unwrap();
+    let limits: Vec<Incomplete> = undecided(&explored).into_iter().map(|(_, it)| it).collect();
+    assert!(!limits.is_empty());
+    assert!(limits.iter().all(|it| *it == Incomplete::Memory));
+}
+
+/// A step with 2^14 combinations of inputs, each of which leads to another state.
+fn many_successors(limits: Limits, without_grounding: bool) -> asmotion_verify::Verification {
+    let text = "asm many
+import StandardLibrary
+signature:
+  domain Bit subsetof Integer
+  monitored given: Bit -> Boolean
+  controlled kept: Bit -> Boolean
+definitions:
+  domain Bit = {0 : 13}
+  main rule r_Main = forall $b in Bit with true do kept($b) := given($b)
+default init s0:
+  function kept($b in Bit) = false
+";
+    let options = Options {
+        limits,
+        without_grounding,
+        ..Options::default()
+    };
+    let mut calls = 0;
+    let found = asmotion_verify::verify(crate::open(text), &options, &mut |_| {
+        calls += 1;
+        limits.memory.is_some() || calls < 20
+    });
+    found.unwrap_or_else(|refusal| panic!("{}", crate::refused(&refusal)))
+}
+
+#[test]
+fn limits_hold_within_a_step_with_many_successors() {
+    let found = many_successors(Limits::default(), true);
+    assert_eq!(
+        (found.incomplete, found.states),
+        (Some(Incomplete::Stopped), 1)
+    );
+    let limits = Limits {
+        memory: Some(100_000),
+        ..Limits::default()
+    };
+    let found = many_successors(limits, true);
+    assert_eq!(
+        (found.incomplete, found.states),
+        (Some(Incomplete::Memory), 1)
+    );
 }

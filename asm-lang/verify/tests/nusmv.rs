@@ -2,7 +2,7 @@
 
 use crate::naive::Random;
 use asmotion_lang::MemoryFiles;
-use asmotion_verify::{Options, verify};
+use asmotion_verify::{Engine, Options, verify};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -236,4 +236,208 @@ fn verdicts_on_specifications_are_those_of_nusmv() {
         }
     }
     assert!(held > 50 && violated > 50, "{held} {violated}");
+}
+
+/// A condition on the state and the inputs of a random model, in both languages.
+fn guard(random: &mut Random) -> Both {
+    let one = random.one_of(MODEL_CONDITIONS);
+    let other = random.one_of(MODEL_CONDITIONS);
+    match random.below(5) {
+        0 => Both {
+            asm: format!("{one} and {other}"),
+            smv: format!("{one} & {other}"),
+        },
+        1 => Both {
+            asm: format!("not ({one}) or {other}"),
+            smv: format!("!({one}) | {other}"),
+        },
+        2 => Both {
+            asm: format!("not ({one})"),
+            smv: format!("!({one})"),
+        },
+        _ => Both {
+            asm: one.to_owned(),
+            smv: one.to_owned(),
+        },
+    }
+}
+
+const MODEL_CONDITIONS: &[&str] = &[
+    "mode = STOP",
+    "mode = TURN",
+    "mode != GO",
+    "n = 0",
+    "n < 2",
+    "n = k",
+    "k > 1",
+    "locked",
+    "estop",
+    "seen",
+];
+
+/// The next value of a variable: those of the first guard that holds; it stays as it is otherwise.
+fn next(random: &mut Random, variable: &str, values: &[&str]) -> Both {
+    let mut both = Both {
+        asm: String::new(),
+        smv: format!("  next({variable}) := case\n"),
+    };
+    let count = 1 + random.below(3);
+    for _ in 0..count {
+        let when = guard(random);
+        let (first, second) = (random.one_of(values), random.one_of(values));
+        let (asm, smv) = if random.below(3) == 0 {
+            (
+                format!("choose $v in {{{first}, {second}}} with true do {variable} := $v"),
+                format!("{{{first}, {second}}}"),
+            )
+        } else {
+            (format!("{variable} := {first}"), first.to_owned())
+        };
+        write!(both.asm, "if {} then {asm} else ", when.asm).unwrap();
+        writeln!(both.smv, "    {} : {smv};", when.smv).unwrap();
+    }
+    write!(both.asm, "skip{}", " endif".repeat(count as usize)).unwrap();
+    write!(both.smv, "    TRUE : {variable};\n  esac;").unwrap();
+    both
+}
+
+/// A model of a robot that stops, goes and turns, with two counters, a lock and two inputs.
+fn random_model(random: &mut Random) -> Both {
+    let numbers = [
+        "0",
+        "1",
+        "3",
+        "(n + 1) mod 4",
+        "(n + k) mod 4",
+        "(k + 3) mod 4",
+    ];
+    let mode = next(random, "mode", &["STOP", "GO", "TURN"]);
+    let n = next(random, "n", &numbers);
+    let k = next(random, "k", &numbers);
+    let locked = next(random, "locked", &["true", "false"]);
+    let just = (random.below(2) == 0).then(|| guard(random));
+    let justice = just.as_ref().map(|it| format!("  JUSTICE {}\n", it.asm));
+    let fairness = just.as_ref().map(|it| format!("FAIRNESS {}\n", it.smv));
+    Both {
+        asm: format!(
+            "asm model
+import StandardLibrary
+import CTLLibrary
+import LTLLibrary
+signature:
+  enum domain Mode = {{STOP | GO | TURN}}
+  domain Number subsetof Integer
+  monitored estop: Boolean
+  monitored seen: Boolean
+  controlled mode: Mode
+  controlled n: Number
+  controlled k: Number
+  controlled locked: Boolean
+definitions:
+  domain Number = {{0 : 3}}
+{}  main rule r_Main = par
+    {}
+    {}
+    {}
+    {}
+  endpar
+default init s0:
+  function mode = STOP
+  function n = 0
+  function k = 0
+  function locked = false
+",
+            justice.unwrap_or_default(),
+            mode.asm,
+            n.asm,
+            k.asm,
+            locked.asm
+        ),
+        smv: format!(
+            "MODULE main
+VAR
+  estop : boolean;
+  seen : boolean;
+  mode : {{STOP, GO, TURN}};
+  n : 0..3;
+  k : 0..3;
+  locked : boolean;
+ASSIGN
+  init(mode) := STOP;
+  init(n) := 0;
+  init(k) := 0;
+  init(locked) := FALSE;
+{}
+{}
+{}
+{}
+{}",
+            mode.smv,
+            n.smv,
+            k.smv,
+            locked.smv.replace("true", "TRUE").replace("false", "FALSE"),
+            fairness.unwrap_or_default()
+        ),
+    }
+}
+
+#[test]
+fn verdicts_on_random_models_are_those_of_nusmv() {
+    let Some(nusmv) = asmotion_skip::nusmv() else {
+        return;
+    };
+    let seed = std::env::var("ASMOTION_NUSMV_SEED").ok();
+    let seed = seed.and_then(|it| it.parse().ok());
+    let mut random = Random(seed.unwrap_or(0x0b5e_55ed_0000_0001));
+    let (mut held, mut violated) = (0, 0);
+    for _ in 0..40 {
+        let mut model = random_model(&mut random);
+        let mut properties = Vec::new();
+        for is_linear in [false, true] {
+            for at in 0..8 {
+                let depth = 1 + at % 3;
+                let both = Both::random(&mut random, MODEL_CONDITIONS, depth, is_linear);
+                let (asm, smv, keyword) = match (is_linear, at % 2) {
+                    (true, 0) => ("g", "G", "LTLSPEC"),
+                    (true, _) => ("f", "F", "LTLSPEC"),
+                    (false, 0) => ("ag", "AG", "CTLSPEC"),
+                    (false, _) => ("ef", "EF", "CTLSPEC"),
+                };
+                writeln!(model.smv, "{keyword} {smv} ({})", both.smv).unwrap();
+                properties.push(format!("{asm}({})", both.asm));
+            }
+        }
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random.smv");
+        std::fs::write(&path, &model.smv).unwrap();
+        let expected = verdicts(&nusmv, &path);
+        assert_eq!(expected.len(), properties.len(), "{}", model.smv);
+        let mut files = MemoryFiles::new();
+        files.add("model.asm", model.asm.clone());
+        for engine in [Engine::Explicit, Engine::Symbolic] {
+            let specification = asmotion_lang::open("model.asm", &files);
+            let specification = specification.unwrap_or_else(|it| panic!("{it}{}", model.asm));
+            let options = Options {
+                properties: properties.clone(),
+                only: properties.clone(),
+                engine,
+                ..Options::default()
+            };
+            let verification = verify(specification, &options, &mut |_| true);
+            let verification = verification.unwrap_or_else(|it| panic!("{}", crate::refused(&it)));
+            for (property, expected) in properties.iter().zip(&expected) {
+                let mut found = verification.properties.iter();
+                let found = found.find(|it| it.text == *property).unwrap();
+                assert_eq!(
+                    found.verdict.holds(),
+                    *expected,
+                    "{property} ({engine:?})\n{}\n{}",
+                    model.asm,
+                    model.smv
+                );
+                held += usize::from(*expected);
+                violated += usize::from(!expected);
+            }
+        }
+    }
+    assert!(held > 200 && violated > 200, "{held} {violated}");
 }

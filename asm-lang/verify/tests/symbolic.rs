@@ -45,6 +45,8 @@ fn notes(verification: &Verification) -> Vec<String> {
             | Note::Unmet(_)
             | Note::Irrelevant(_)
             | Note::Unfair { .. }
+            | Note::Undecided(_)
+            | Note::Unexamined(_)
             | Note::FailingSteps => {
                 format!("{} {note:?}", property.text)
             }

@@ -64,6 +64,7 @@ impl StopReason {
 #[derive(Ports)]
 struct MonitorPorts {
     /// Requested velocity, `linear.x` in m/s and `angular.z` in rad/s, base frame.
+    #[port(command)]
     command: In<Twist>,
     /// Scan of the laser at `mount`. A scan in which more than half of the beams failed does not count.
     scan: In<LaserScan>,

@@ -126,7 +126,8 @@ pub fn scene_message(scene: &ObstacleScene, revision: u64) -> asmotion_messages:
     }
 }
 
-fn disc(message: &asmotion_messages::Disc) -> RoundObstacle {
+/// Converts a disc message to a round obstacle.
+pub fn disc(message: &asmotion_messages::Disc) -> RoundObstacle {
     RoundObstacle {
         centre: Point::new(message.x, message.y),
         radius: message.radius,

@@ -43,14 +43,14 @@ impl Optics {
         }
     }
 
-    /// The ranges of one sweep from `pose`, m, beam by beam into `ranges`: `+Inf` where nothing is in range, `-Inf`
+    /// The ranges of one sweep from `pose` through both scenes, m, beam by beam into `ranges`: `+Inf` where nothing is in range, `-Inf`
     /// where something is too near, NaN where the measurement failed (REP-117).
     ///
     /// Every beam draws the same number of random numbers whether it hits or not, so that a change in one part of the
     /// scene does not affect the noise elsewhere.
     pub fn sweep(
         &self,
-        scene: &ObstacleScene,
+        scenes: [&ObstacleScene; 2],
         pose: &Pose,
         chance: &mut impl Rng,
         ranges: &mut Vec<f32>,
@@ -64,7 +64,9 @@ impl Optics {
             let direction = pose.rotation * Vector::new(angle.cos(), angle.sin());
             let noise: f64 = StandardNormal.sample(chance);
             let fails = chance.random::<f64>() < self.dropout;
-            match scene.raycast(origin, direction, sight) {
+            let hits = scenes.iter();
+            let hits = hits.filter_map(|scene| scene.raycast(origin, direction, sight));
+            match hits.min_by(f64::total_cmp) {
                 _ if fails => f32::NAN,
                 Some(distance) => self.reading(distance + noise * self.noise_m),
                 None => f32::INFINITY,
@@ -109,7 +111,7 @@ mod tests {
     fn sweep(optics: &Optics, scene: &ObstacleScene, pose: &Pose, seed: u64) -> Vec<f32> {
         let mut ranges = Vec::new();
         optics.sweep(
-            scene,
+            [scene, &ObstacleScene::default()],
             pose,
             &mut ChaCha8Rng::seed_from_u64(seed),
             &mut ranges,

@@ -47,6 +47,8 @@ pub const MESSAGES: &[(&str, DescribeMessage)] = &[
     row::<Text>(),
     row::<Disc>(),
     row::<Polygon>(),
+    row::<RoverDisc>(),
+    row::<RoverDiscs>(),
     row::<Scene>(),
     row::<Segment>(),
     row::<Vertex>(),

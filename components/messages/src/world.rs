@@ -34,6 +34,20 @@ asmotion_datum::message! {
         pub radius: f64,
     }
 
+    /// The place that a rover takes.
+    pub struct RoverDisc = "world/RoverDisc" {
+        /// Name of the rover among those of its world.
+        pub rover: String,
+        /// Disc that covers the rover.
+        pub disc: Disc,
+    }
+
+    /// The places of all rovers of a world.
+    pub struct RoverDiscs = "world/RoverDiscs" {
+        /// One for each rover, in the order of their names.
+        pub rovers: Vec<RoverDisc>,
+    }
+
     /// A solid obstacle with straight sides.
     pub struct Polygon = "world/Polygon" {
         /// Corners in order, in either orientation; the last is connected to the first.

@@ -37,6 +37,7 @@ pub struct RoverDriver {
 #[derive(Ports)]
 struct RoverPorts {
     /// Velocity to drive, `linear.x` in m/s and `angular.z` in rad/s, base frame.
+    #[port(command)]
     twist: In<Twist>,
     /// Angles by which the wheels have turned, rad, cumulative.
     encoders: In<Encoders>,

@@ -1,7 +1,7 @@
 //! The robot's body in the world: a disc on two wheels that moves until it touches an obstacle.
 
 use asmotion_geometry::{ObstacleScene, Point, Pose, roll};
-use asmotion_messages::WheelSpeeds;
+use asmotion_messages::{RoverDisc, WheelSpeeds};
 use asmotion_rover::DifferentialDrive;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +29,35 @@ pub struct Slip {
     pub right: f64,
 }
 
+/// Everything that a body can touch.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'s> {
+    /// Walls and obstacles.
+    pub scene: &'s ObstacleScene,
+    /// The other robots nearby.
+    pub rovers: &'s [RoverDisc],
+}
+
+impl<'s> From<&'s ObstacleScene> for Surroundings<'s> {
+    fn from(scene: &'s ObstacleScene) -> Self {
+        Self { scene, rovers: &[] }
+    }
+}
+
+impl Surroundings<'_> {
+    /// Distance in m from `point` to the nearest thing, as [`ObstacleScene::clearance_within`]; negative within a robot.
+    fn clearance_within(&self, point: Point, max: f64) -> f64 {
+        let rovers = self.rovers.iter().map(|rover| distance(rover, point));
+        rovers.fold(self.scene.clearance_within(point, max), f64::min)
+    }
+}
+
+/// Distance in m from a point to the edge of a robot; negative within it.
+pub fn distance(rover: &RoverDisc, point: Point) -> f64 {
+    let centre = Point::new(rover.disc.x, rover.disc.y);
+    (centre - point).norm() - rover.disc.radius
+}
+
 impl Body {
     /// A body at `pose` with both wheels at angle 0.
     pub fn new(drive: DifferentialDrive, radius: f64, pose: Pose) -> Self {
@@ -43,30 +72,33 @@ impl Body {
 
     /// Moves for `dt` seconds. If the body would touch an obstacle, it does not roll on: the wheels stall as far as
     /// they push against it, and only the turn on the spot remains. Returns whether it touched.
-    pub fn step(
+    pub fn step<'s>(
         &mut self,
         wheels: WheelSpeeds,
         slip: Slip,
-        scene: &ObstacleScene,
+        around: impl Into<Surroundings<'s>>,
         dt: f64,
     ) -> bool {
+        let around = around.into();
         let (left, right) = (wheels.left * dt, wheels.right * dt);
         let moved = self.moved(left, right, slip);
-        if self.may_stand(&moved, scene) {
+        if self.may_stand(&moved, around) {
             self.take(moved, left, right);
             return false;
         }
         let push = (left + right) / 2.0;
         let turned = self.moved(left - push, right - push, slip);
-        if self.may_stand(&turned, scene) {
+        if self.may_stand(&turned, around) {
             self.take(turned, left - push, right - push);
         }
         true
     }
 
     /// Distance in m between the body and the nearest obstacle; 0 if they touch or overlap.
-    pub fn clearance(&self, scene: &ObstacleScene) -> f64 {
-        (scene.clearance(position(&self.pose)) - self.radius).max(0.0)
+    pub fn clearance<'s>(&self, around: impl Into<Surroundings<'s>>) -> f64 {
+        let clearance = around.into();
+        let clearance = clearance.clearance_within(position(&self.pose), f64::INFINITY);
+        (clearance - self.radius).max(0.0)
     }
 
     fn moved(&self, left: f64, right: f64, slip: Slip) -> Pose {
@@ -77,10 +109,10 @@ impl Body {
     }
 
     /// Returns whether the body may be at a pose. A body that overlaps an obstacle may leave, but not move deeper.
-    fn may_stand(&self, pose: &Pose, scene: &ObstacleScene) -> bool {
-        let clearance = scene.clearance_within(position(pose), self.radius);
+    fn may_stand(&self, pose: &Pose, around: Surroundings<'_>) -> bool {
+        let clearance = around.clearance_within(position(pose), self.radius);
         clearance >= self.radius
-            || clearance >= scene.clearance_within(position(&self.pose), self.radius)
+            || clearance >= around.clearance_within(position(&self.pose), self.radius)
     }
 
     fn take(&mut self, pose: Pose, left: f64, right: f64) {
@@ -90,7 +122,8 @@ impl Body {
     }
 }
 
-fn position(pose: &Pose) -> Point {
+/// The place of a pose.
+pub(crate) fn position(pose: &Pose) -> Point {
     pose.translation.vector.into()
 }
 
@@ -173,6 +206,31 @@ mod tests {
         assert!(body.step(wheels(1.0, 1.0), Slip::default(), &scene, 0.1));
         assert!(!body.step(wheels(-1.0, -1.0), Slip::default(), &scene, 0.1));
         assert!(body.pose.translation.x < 0.0);
+    }
+
+    #[test]
+    fn it_stops_at_another_robot_and_leaves_it_again() {
+        let disc = asmotion_messages::Disc {
+            x: 1.0,
+            y: 0.0,
+            radius: 0.3,
+        };
+        let rover = "other".to_owned();
+        let scene = ObstacleScene::default();
+        let around = Surroundings {
+            scene: &scene,
+            rovers: &[RoverDisc { rover, disc }],
+        };
+        let mut body = robot();
+        let mut touched = false;
+        for _ in 0..500 {
+            touched |= body.step(wheels(10.0, 10.0), Slip::default(), around, 0.02);
+        }
+        assert!(touched);
+        // radii of 0.2 m and 0.3 m
+        assert!((0.48..0.5001).contains(&body.pose.translation.x));
+        assert!(body.clearance(around) < 0.02);
+        assert!(!body.step(wheels(-10.0, -10.0), Slip::default(), around, 0.1));
     }
 
     proptest! {

@@ -8,19 +8,21 @@ use asmotion_component::{
 };
 use asmotion_geometry::{ObstacleScene, Point, Pose, heading, message};
 use asmotion_map::DiskFiles;
-use asmotion_messages::{Encoders, Event, PoseStamped, Time as Stamp, WheelSpeeds};
+use asmotion_messages::{
+    Disc, Encoders, Event, PoseStamped, RoverDisc, RoverDiscs, Time as Stamp, WheelSpeeds,
+};
 use asmotion_rover::DifferentialDrive;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, Slip};
+use crate::body::{Body, Slip, Surroundings, distance, position};
 use crate::schedule::{Obstacle, Schedule, Solid};
 
-/// `nav::sim::World`: one robot among walls and scheduled obstacles.
+/// `nav::sim::World`: one robot among walls, scheduled obstacles and other robots.
 #[derive(Freeze)]
-#[freeze(component = "nav::sim::World", version = 1)]
+#[freeze(component = "nav::sim::World", version = 2)]
 pub struct World {
     #[freeze(skip)]
     ports: WorldPorts,
@@ -48,6 +50,8 @@ struct Truth {
     #[serde(skip_serializing)]
     scene: ObstacleScene,
     revision: u64,
+    /// The other robots nearby.
+    rovers: Vec<RoverDisc>,
     /// `true` while the body touches an obstacle; the collision is reported once until it is free again.
     touches: bool,
 }
@@ -60,6 +64,7 @@ struct FrozenTruth {
     walls: ObstacleScene,
     schedule: Schedule,
     revision: u64,
+    rovers: Vec<RoverDisc>,
     touches: bool,
 }
 
@@ -70,12 +75,14 @@ impl From<FrozenTruth> for Truth {
             walls,
             schedule,
             revision,
+            rovers,
             touches,
         } = frozen;
         let mut truth = Self::new(body, walls, schedule);
         truth.update_scene();
         Self {
             revision,
+            rovers,
             touches,
             ..truth
         }
@@ -86,13 +93,18 @@ impl From<FrozenTruth> for Truth {
 struct WorldPorts {
     /// Speeds at which the motors turn the wheels, rad/s.
     wheels: In<WheelSpeeds>,
+    /// Places of all robots of the world, which `nav::sim::Traffic` collects.
+    #[port(optional)]
+    rovers: In<RoverDiscs>,
     /// Angles by which the wheels have turned, rad, every cycle.
     encoders: Out<Encoders>,
     /// True pose of the robot, map frame, every cycle.
     truth: Out<PoseStamped>,
+    /// Place of the robot, every cycle if it has a name (`rover`).
+    disc: Out<RoverDisc>,
     /// Walls and obstacles, map frame, at the start and whenever they change; `revision` grows.
     scene: Out<asmotion_messages::Scene>,
-    /// `COLLISION`, once per contact.
+    /// `COLLISION`, once per contact; `detail` names the other robot, if it is one.
     event: Out<Event>,
 }
 
@@ -100,6 +112,8 @@ struct WorldPorts {
 struct WorldProperties {
     #[property(flatten)]
     drive: DifferentialDrive,
+    /// Name among the robots of the world; empty if it is the only one.
+    rover: String,
     /// Radius of the robot's disc.
     #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
     robot_radius_m: f64,
@@ -132,6 +146,9 @@ const STREAM: u64 = 0;
 /// Largest time step in s, in which the body moves less than its own size.
 const STEP: f64 = 0.02;
 
+/// Distance in m up to which other robots are considered: more than both can drive until the next sample.
+const NEARBY: f64 = 2.0;
+
 /// Distance in m from which the body counts as free of an obstacle again.
 const FREE: f64 = 0.01;
 
@@ -159,6 +176,33 @@ impl World {
             Some((wheels, at)) if now.since(at) <= timeout && is_number(wheels) => wheels,
             _ => WheelSpeeds::default(),
         }
+    }
+
+    /// Reads where the other robots are, and keeps those nearby.
+    fn look_around(&mut self, cycle: &Cycle<'_>) {
+        let Flow::NewData(known) = cycle.read(self.ports.rovers) else {
+            return;
+        };
+        let (own, body) = (&self.properties.rover, &self.truth.body);
+        let place = position(&body.pose);
+        let is_near =
+            |it: &&RoverDisc| it.rover != *own && distance(it, place) - body.radius < NEARBY;
+        self.truth.rovers = known.rovers.iter().filter(is_near).cloned().collect();
+    }
+
+    /// The robot as others see it; `None` if it has no name.
+    fn disc(&self) -> Option<RoverDisc> {
+        let rover = &self.properties.rover;
+        let body = &self.truth.body;
+        let at = position(&body.pose);
+        (!rover.is_empty()).then(|| RoverDisc {
+            rover: rover.clone(),
+            disc: Disc {
+                x: at.x,
+                y: at.y,
+                radius: body.radius,
+            },
+        })
     }
 
     /// Advances the world by `dt` seconds; returns whether the body has begun to touch something.
@@ -210,6 +254,7 @@ impl Component for World {
         let dt = if first { 0.0 } else { seconds(self.last, now) };
         self.last = now;
 
+        self.look_around(cycle);
         let wheels = self.turning(cycle, now);
         let bumped = self.pass(wheels, dt);
         let changed = self.truth.advance(seconds(began, now));
@@ -227,6 +272,9 @@ impl Component for World {
             self.ports.truth,
             message::pose_stamped(&body.pose, now.nanos(), &self.properties.frame),
         );
+        if let Some(disc) = self.disc() {
+            cycle.write(self.ports.disc, disc);
+        }
         if changed || first {
             cycle.write(
                 self.ports.scene,
@@ -234,12 +282,8 @@ impl Component for World {
             );
         }
         if bumped {
-            let place = body.pose.translation;
-            let detail = format!("at ({:.2}, {:.2})", place.x, place.y);
-            cycle.write(
-                self.ports.event,
-                Event::new(now.nanos(), Event::COLLISION, detail),
-            );
+            let event = Event::new(now.nanos(), Event::COLLISION, self.truth.contact());
+            cycle.write(self.ports.event, event);
         }
         Ok(())
     }
@@ -267,16 +311,34 @@ impl Truth {
             walls,
             schedule,
             revision: 1,
+            rovers: Vec::new(),
             touches: false,
         }
     }
 
     /// Moves the body; returns whether it has begun to touch something.
     fn pass(&mut self, wheels: WheelSpeeds, slip: Slip, dt: f64) -> bool {
-        let touched = self.body.step(wheels, slip, &self.scene, dt);
+        let around = Surroundings {
+            scene: &self.scene,
+            rovers: &self.rovers,
+        };
+        let touched = self.body.step(wheels, slip, around, dt);
         let bumped = touched && !self.touches;
-        self.touches = touched || (self.touches && self.body.clearance(&self.scene) < FREE);
+        self.touches = touched || (self.touches && self.body.clearance(around) < FREE);
         bumped
+    }
+
+    /// The obstacle that the body touches, and the place of contact.
+    fn contact(&self) -> String {
+        let at = position(&self.body.pose);
+        let place = format!("at ({:.2}, {:.2})", at.x, at.y);
+        // the body stops before it would touch, a step away at most
+        let reach = self.body.radius + STEP;
+        let mut rovers = self.rovers.iter();
+        match rovers.find(|rover| distance(rover, at) < reach) {
+            Some(other) => format!("with {} {place}", other.rover),
+            None => place,
+        }
     }
 
     /// Adds and removes obstacles by the schedule; returns whether the scene has changed.

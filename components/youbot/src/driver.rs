@@ -8,11 +8,11 @@ use asmotion_messages::Text;
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
 
 use crate::joints::{Joints, Manner};
-use crate::period::follow;
+use crate::period::{follow, follow_port};
 
 /// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
 #[derive(Freeze)]
-#[freeze(component = "youbot::DummyDriver", version = 1)]
+#[freeze(component = "youbot::DummyDriver", version = 2)]
 pub struct DummyDriver {
     #[freeze(skip)]
     ports: DriverPorts,
@@ -24,8 +24,10 @@ pub struct DummyDriver {
 struct DriverPorts {
     /// Target positions of the joints, rad. A command for another number of joints is refused: it is counted and
     /// reported, and the joints keep their targets.
+    #[port(command)]
     commands: In<JointCommand>,
     /// Period of the driver itself, s, 0.001 to 10; takes effect from its next cycle on. Any other period is refused.
+    #[port(command)]
     period: In<Float64>,
     /// Position, velocity, current, temperature and error bits of each joint, every cycle.
     #[port(name = "jointStatus")]
@@ -78,11 +80,7 @@ impl Component for DummyDriver {
         {
             cycle.refuse(self.ports.commands, wrong.to_string());
         }
-        if let Flow::NewData(&Float64 { data }) = cycle.read(self.ports.period)
-            && !follow(data, cycle)
-        {
-            cycle.refuse(self.ports.period, format!("{data} s is not 0.001 to 10 s"));
-        }
+        follow_port(self.ports.period, cycle);
         for request in cycle.requests(self.ports.set_period) {
             let data = follow(request.argument.period, cycle);
             cycle.reply(self.ports.set_period, request.id, Ok(Bool { data }));
@@ -94,5 +92,9 @@ impl Component for DummyDriver {
         let status = self.joints.measure(cycle.now(), &self.properties.manner);
         cycle.write(self.ports.status, status.clone());
         Ok(())
+    }
+
+    fn stop(&mut self, _: &mut Cycle<'_>) {
+        self.joints.hold();
     }
 }

@@ -12,6 +12,8 @@ pub(crate) struct Joints {
     chance: ChaCha8Rng,
     goal: Vec<f64>,
     last: JointStatus,
+    /// They have been held since the last status, and begin to turn with the next one.
+    is_held: bool,
 }
 
 /// The motion of the joints, and the values that they report.
@@ -50,6 +52,7 @@ impl Joints {
                 position: vec![0.0; count],
                 ..JointStatus::default()
             },
+            is_held: false,
         }
     }
 
@@ -68,6 +71,12 @@ impl Joints {
         Ok(())
     }
 
+    /// Ends the motion where the joints are: a driver that stops must not go on when it starts again.
+    pub(crate) fn hold(&mut self) {
+        self.goal.clone_from(&self.last.position);
+        self.is_held = true;
+    }
+
     pub(crate) fn are_resting(&self) -> bool {
         self.last.position == self.goal
     }
@@ -76,7 +85,11 @@ impl Joints {
     /// joint.
     pub(crate) fn measure(&mut self, now: Time, manner: &Manner) -> &JointStatus {
         let stamp = asmotion_messages::Time::from_nanos(now.nanos());
-        let passed = (stamp.as_nanos() - self.last.stamp.as_nanos()) as f64 * 1e-9;
+        let passed = if std::mem::take(&mut self.is_held) {
+            0.0
+        } else {
+            (stamp.as_nanos() - self.last.stamp.as_nanos()) as f64 * 1e-9
+        };
         let step = manner.speed * passed;
         let next = JointStatus {
             stamp,

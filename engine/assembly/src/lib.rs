@@ -4,6 +4,6 @@ pub mod reconfigure;
 mod start;
 
 pub use start::{
-    Assembled, CoordinatorOptions, EVENTS_SIZE, Make, SUBSCRIPTION_SIZE, Standard, StartError,
-    Workshop, start, start_part,
+    Assembled, Builtins, CoordinatorOptions, EVENTS_SIZE, Make, SUBSCRIPTION_SIZE, Standard,
+    StartError, Workshop, start, start_part,
 };

@@ -28,12 +28,7 @@ fn open(files: &MemoryFiles, path: &str) -> Opened {
 
 fn start(files: &MemoryFiles, opened: &Opened) -> System {
     let plan = opened.plan(None).expect("a plan");
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: files,
-        coordinators: CoordinatorOptions::seeded(0),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, files, CoordinatorOptions::seeded(0));
     asmotion_assembly::start(plan, &mut workshop).expect("a system")
 }
 
@@ -80,6 +75,72 @@ processes = [
   { name = "all", components = ["Silent", "Own", "Higher"], scheduler = "fifo", priority = 30, cpu = [0] },
 ]
 "#;
+
+const THREADS: &str = r#"
+schema = "composite/1"
+[composite]
+name = "threads"
+
+[components.Plain]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10 }
+[components.Chosen]
+implementation = { rust = "test::Teller" }
+task = { period_ms = 10, thread = "own" }
+[components.Limited]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10, deadline_ms = 500 }
+[components.Relaxed]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10, deadline_ms = 500, thread = "shared" }
+[components.Pinned]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10 }
+[components.Master]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10 }
+[components.Slave]
+implementation = { rust = "test::Teller" }
+activity = { master = "Master", deadline_ms = 400 }
+
+[deploy]
+processes = [
+  { name = "any", components = ["Plain", "Chosen", "Limited", "Relaxed", "Master", "Slave"] },
+  { name = "first", components = ["Pinned"], cpu = [0] },
+]
+"#;
+
+#[test]
+fn a_component_has_the_thread_that_its_composite_asks_for() {
+    let mut files = MemoryFiles::new();
+    files.add("main.toml", THREADS);
+    let opened = open(&files, "main.toml");
+    assert_eq!(said(&opened), "", "nothing is without effect");
+    let plan = opened.plan(None).expect("a plan");
+    let run = start(&files, &opened).live();
+    let found = plan.components.iter().map(|component| {
+        let running = run.thread_use(&component.name).map(|it| it.to_string());
+        let running = running.unwrap_or_default();
+        format!(
+            "{}: {}, {running}",
+            component.name,
+            plan.thread_of(component)
+        )
+    });
+    // the plan and the running system agree
+    assert_eq!(
+        found.collect::<Vec<_>>(),
+        [
+            "Plain: executor, shared",
+            "Chosen: own (as `thread` says), own",
+            "Limited: own (deadline 500 ms), own",
+            "Relaxed: executor, shared",
+            "Pinned: own (processors [0]), own",
+            "Master: own (deadline 400 ms), own",
+            "Slave: that of `Master`, own",
+        ]
+    );
+}
 
 #[cfg(target_os = "linux")]
 #[test]

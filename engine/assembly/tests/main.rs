@@ -1,6 +1,7 @@
 //! Systems started from composites.
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod additions;
 mod deployment;
 mod reconfigure;
 #[path = "../../plan/tests/support/render.rs"]
@@ -8,6 +9,7 @@ mod render;
 mod replacement;
 mod start;
 mod tca;
+mod topics;
 #[path = "../../plan/tests/support/variables.rs"]
 mod variables;
 mod waiting;

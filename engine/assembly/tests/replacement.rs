@@ -82,7 +82,7 @@ impl Component for Echo {
     }
 }
 
-const BUILD: Tables = Tables {
+pub(crate) const BUILD: Tables = Tables {
     components: &[
         ("test::Counter", |interface: &mut Interface| {
             Box::new(Counter {
@@ -109,7 +109,7 @@ const BUILD: Tables = Tables {
 };
 
 /// Sums the numbers it receives, one in each step; creates a box for each of the first three; asks for the double of the first.
-const BRAIN: &str = "asm brain
+pub(crate) const BRAIN: &str = "asm brain
 import StandardLibrary
 signature:
 	enum domain Action = {NOACT | ASK}
@@ -176,7 +176,7 @@ const NEXT: &[(&str, &str)] = &[
     ("{COLLECTING | DONE}", "{PAUSED | DONE | COLLECTING}"),
 ];
 
-const COMPOSITE: &str = r#"
+pub(crate) const COMPOSITE: &str = r#"
 schema = "composite/1"
 [composite]
 name = "thinker"
@@ -254,12 +254,7 @@ pub(crate) fn version(composite: &str, specification: &str) -> (MemoryFiles, Ver
 }
 
 pub(crate) fn start((files, version): &(MemoryFiles, Version)) -> (System, Log) {
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, files, CoordinatorOptions::seeded(1));
     let mut system = asmotion_assembly::start(&version.plan, &mut workshop).expect("a system");
     let log = Log::new();
     system.observe(log.clone());
@@ -271,7 +266,7 @@ pub(crate) fn status(run: &mut dyn Run, component: &str) -> CoordinatorStatus {
     CoordinatorStatus::of(&entries).expect("its status")
 }
 
-fn said(log: &Log) -> Vec<i64> {
+pub(crate) fn said(log: &Log) -> Vec<i64> {
     let samples = log.samples::<Number>("Echo.said").into_iter();
     samples.map(|(_, number)| number.n).collect()
 }
@@ -519,6 +514,23 @@ fn c18_other_bindings_take_effect_unless_they_need_other_operations() {
     run.run_for(1.s());
     let total = status(&mut run, "Brain").step;
     assert_eq!(total, 20);
+    // a queue of one message in place of many
+    let all_to_last = ("receive = \"all\"", "receive = \"last\"");
+    let (_, last) = version(&replaced(COMPOSITE, &[all_to_last]), BRAIN);
+    let planned = changes(&other, &last, &run).expect("no new start is needed");
+    let words: Vec<_> = planned.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        words,
+        [
+            "`Brain.number` no longer subscribes to topic `number`",
+            "`Brain` runs `brain.asm` with other bindings",
+            "`Brain.number` subscribes to topic `number`"
+        ]
+    );
+    apply(&mut run, &other, &last).expect("another queue");
+    run.run_for(1.s());
+    assert_eq!(status(&mut run, "Brain").step, 30);
+    apply(&mut run, &last, &other).expect("the queue of before");
     let call = "ASK = { call = \"sums.double\", with = { n = 4 }, ok = \"ANSWER\", failed = \"FAILED\", event = \"ev\" }";
     let (_, silent) = version(&replaced(COMPOSITE, &[(call, "")]), BRAIN);
     let refusal = apply(&mut run, &other, &silent).expect_err("an operation less");
@@ -813,83 +825,4 @@ fn c18_random_choices_continue_in_the_new_version() {
     let undisturbed = picks(false);
     assert_eq!(undisturbed.len(), 15);
     assert_eq!(picks(true), undisturbed);
-}
-
-/// The composite without its specification.
-fn without_brain() -> String {
-    let (before, rest) = COMPOSITE.split_once("[components.Brain]").expect("a brain");
-    let (_, after) = rest.split_once("[components.Echo]").expect("an echo");
-    let (after, _) = after.split_once("[[wires]]").expect("a wire");
-    format!("{before}[components.Echo]{after}")
-}
-
-#[test]
-fn c18_a_specification_is_added_with_its_topics_and_wires_and_removed() {
-    let first = version(&without_brain(), BRAIN);
-    let brain = replaced(BRAIN, &[("number = 1 then", "number = 6 then")]);
-    let (_, with_brain) = version(COMPOSITE, &brain);
-    let (system, log) = start(&first);
-    let mut run = system.simulate();
-    run.run_for(450.ms());
-    apply(&mut run, &first.1, &with_brain).expect("added");
-    run.run_for(1.s());
-    assert_eq!(run.components(), ["Counter", "Slow", "Echo", "Brain"]);
-    let sums = [6, 6 + 7, 6 + 7 + 8, 6 + 7 + 8 + 9];
-    assert_eq!(said(&log)[..4], sums, "of what it has received");
-    assert_eq!(status(&mut run, "Brain").calls, ["sums.double"]);
-    run.run_for(1.s());
-    assert!(status(&mut run, "Brain").calls.is_empty());
-    let replies = log.lines_with("sums.double").into_iter();
-    let replied: Vec<_> = replies.filter(|line| line.contains("8")).collect();
-    assert!(!replied.is_empty(), "{:?}", log.lines_with("sums.double"));
-    apply(&mut run, &with_brain, &first.1).expect("removed");
-    assert_eq!(run.components(), ["Counter", "Slow", "Echo"]);
-    let before = said(&log).len();
-    run.run_for(1.s());
-    assert_eq!(said(&log).len(), before);
-    apply(&mut run, &first.1, &with_brain).expect("added again");
-    run.run_for(1.s());
-    assert_eq!(said(&log).len(), before + 9);
-    let again = status(&mut run, "Brain");
-    assert_eq!(again.step, 10, "it begins anew");
-    assert!(log.lines_with("dropped").is_empty());
-}
-
-#[test]
-fn c18_what_leaves_the_process_is_neither_added_nor_removed() {
-    let slave = "\n[components.Late]\nimplementation = { rust = \"test::Echo\" }\n\
-                 activity = { master = \"Counter\" }\n";
-    let (files, first) = version(&without_brain(), BRAIN);
-    let (_, next) = version(&(COMPOSITE.to_owned() + slave), BRAIN);
-    let deployed = |version: &Version| {
-        let mut version = version.clone();
-        version.part = Part::with_brokers(&version.plan);
-        version
-    };
-    let (first, next) = (deployed(&first), deployed(&next));
-    let (system, _) = start(&(files, first.clone()));
-    let run = system.simulate();
-    let reasons = |from: &Version, to: &Version| -> Vec<String> {
-        let fixed = changes(from, to, &run).expect_err("a new start is needed");
-        fixed.iter().map(ToString::to_string).collect()
-    };
-    assert_eq!(
-        reasons(&first, &next),
-        [
-            "`Brain` is new, and its topic `number` leaves the process",
-            "`Brain` is new, and its topic `sums` leaves the process",
-            "`Late` is new and runs in the thread of `Counter`",
-        ]
-    );
-    let slow = COMPOSITE
-        .split_once("[components.Slow]")
-        .expect("a service");
-    let (_, rest) = slow.1.split_once("[components.Brain]").expect("a brain");
-    let (_, after) = rest.split_once("[components.Echo]").expect("an echo");
-    let (after, _) = after.split_once("[[wires]]").expect("a wire");
-    let (_, none) = version(&format!("{}[components.Echo]{after}", slow.0), BRAIN);
-    assert_eq!(
-        reasons(&first, &deployed(&none)),
-        ["`Slow` is removed, and its service `sums` is offered to other processes"]
-    );
 }

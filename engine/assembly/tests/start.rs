@@ -1,5 +1,9 @@
 //! Execution of composites in simulated time.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use crate::variables::Variables;
 use asmotion_assembly::{CoordinatorOptions, Standard, StartError};
 use asmotion_component::declaration::OperationDeclaration;
@@ -9,6 +13,7 @@ use asmotion_component::{
 use asmotion_composite::{AsmFiles, Constructor, Context, Tables};
 use asmotion_coordinator::{Action, Argument, Effect};
 use asmotion_datum::{Datum, Message, Schema};
+use asmotion_diagnostics::{LoadError, Loader};
 use asmotion_lang::MemoryFiles;
 use asmotion_plan::Opened;
 use asmotion_runtime::{Log, Run, System};
@@ -243,12 +248,7 @@ fn open(files: &MemoryFiles, settings: &[(String, String)]) -> Opened {
 }
 
 fn start(files: &MemoryFiles, plan: &asmotion_plan::Plan) -> Result<System, StartError> {
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, files, CoordinatorOptions::seeded(1));
     asmotion_assembly::start(plan, &mut workshop)
 }
 
@@ -722,4 +722,60 @@ fn o3_o7_a_slave_cycles_after_its_master_over_a_connection_without_a_lock() {
             .len(),
         1
     );
+}
+
+/// A loader that counts how often each file is read.
+struct Counting<'f> {
+    files: &'f MemoryFiles,
+    reads: RefCell<BTreeMap<String, usize>>,
+}
+
+impl Loader for Counting<'_> {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        *self.reads.borrow_mut().entry(path.to_owned()).or_default() += 1;
+        self.files.read(path)
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        self.files.resolve(from, import)
+    }
+}
+
+#[test]
+fn components_with_the_same_bindings_share_their_specification() {
+    let brain = COMPOSITE.split("[components.Brain]").nth(1).unwrap();
+    let brain = brain.split("[components.Nested]").next().unwrap();
+    let others = (2..=20).map(|number| {
+        let brain = brain.replace("[components.Brain.", &format!("[components.Brain{number}."));
+        // the last one has bindings of its own
+        let brain = if number == 20 {
+            brain.replace("@twice", "@other").replace("twice", "other")
+        } else {
+            brain
+        };
+        let wire =
+            format!("[[wires]]\nreference = \"Brain{number}.sums\"\nservice = \"Nested.sums\"\n");
+        format!("[components.Brain{number}]{brain}{wire}")
+    });
+    let composite = COMPOSITE.to_owned() + &others.collect::<String>();
+    let files = files(&composite);
+    let opened = open(&files, &[]);
+    let counting = Counting {
+        files: &files,
+        reads: RefCell::default(),
+    };
+    let mut workshop = Standard::new(&BUILD, &counting, CoordinatorOptions::seeded(1));
+    let plan = opened.plan(None).expect("a plan");
+    let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
+    assert_eq!(counting.reads.borrow()["brain.asm"], 2);
+    let log = Log::new();
+    system.observe(log.clone());
+    let mut run = system.simulate();
+    run.run_for(1.s());
+    let sent = |brain: &str| log.samples::<Number>(&format!("{brain}.answer")).len();
+    let brains = (2..=20).map(|number| format!("Brain{number}"));
+    // the state of each is its own
+    for brain in brains.chain(["Brain".to_owned()]) {
+        assert_eq!(sent(&brain), 1, "{brain}");
+    }
 }

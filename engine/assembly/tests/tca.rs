@@ -91,12 +91,7 @@ fn task(keys: &str) -> asmotion_plan::Component {
 fn simulated(keys: &str) -> Simulation {
     let plan = plan(&composite(&format!("task = {{ {keys} }}")));
     let files = MemoryFiles::new();
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: &files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, &files, CoordinatorOptions::seeded(1));
     let system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
     system.simulate()
 }
@@ -191,12 +186,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
         settings: &[],
     };
     let opened = asmotion_plan::open("tca.toml", &context);
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: &files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, &files, CoordinatorOptions::seeded(1));
     let plan = opened.plan(None).expect("a plan");
     let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
     let steps: Arc<Mutex<Vec<StepRecord>>> = Arc::default();

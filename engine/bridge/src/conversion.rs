@@ -83,7 +83,31 @@ impl Conversion {
         })
     }
 
-    /// Converts data. Missing parts become null, which no type accepts.
+    /// The path in the source from which the part at this path of the target comes; `None` if it comes from no single part.
+    pub(crate) fn source_path(&self, target: &str) -> Option<String> {
+        let (first, rest) = target.split_once('.').unwrap_or((target, ""));
+        let within = |outer: &str, inner: String| match inner.as_str() {
+            "" => outer.to_owned(),
+            inner => format!("{outer}.{inner}"),
+        };
+        match self {
+            Self::Same => Some(target.to_owned()),
+            Self::Fields(_) if target.is_empty() => Some(String::new()),
+            Self::Fields(fields) => {
+                let (_, inner) = fields.iter().find(|(name, _)| name == first)?;
+                Some(within(first, inner.source_path(rest)?))
+            }
+            Self::Into(field, inner) if field == first => inner.source_path(rest),
+            Self::Into(..) => None,
+            Self::OutOf(field, inner) => Some(within(field, inner.source_path(target)?)),
+            Self::Each(_) if target.is_empty() => Some(String::new()),
+            Self::Each(inner) => Some(within(first, inner.source_path(rest)?)),
+            Self::Then(first, next) => first.source_path(&next.source_path(target)?),
+        }
+    }
+
+    /// Converts data. Missing parts become null, which no type accepts, and fields that the source's type does not have are
+    /// not looked at: check the data first.
     pub fn apply(&self, data: &Datum) -> Datum {
         match self {
             Self::Same => data.clone(),
@@ -275,6 +299,26 @@ mod tests {
         let names = Schema::many(record(&[("load", plain(Shape::F64))]), None);
         let picked = convert(&records, &names, Use::Fill, &Datum::List(Vec::new()));
         assert_eq!(picked, Some(Datum::List(Vec::new())));
+    }
+
+    #[test]
+    fn a_part_of_the_message_has_a_place_in_the_argument() {
+        let source = |from: &Schema, to: &Schema, target: &str| {
+            let conversion = Conversion::between(from, to, Use::All);
+            conversion.and_then(|it| it.source_path(target))
+        };
+        let of = |path: &str| Some(path.to_owned());
+        let period = record(&[("period", plain(Shape::F64))]);
+        let number = record(&[("data", plain(Shape::F64))]);
+        assert_eq!(source(&period, &number, "data"), of("period"));
+        assert_eq!(source(&period, &plain(Shape::F64), ""), of("period"));
+        let command = stamped(floats(None));
+        let positions = record(&[("position", floats(None))]);
+        assert_eq!(source(&positions, &command, "position.1"), of("position.1"));
+        assert_eq!(source(&floats(None), &command, "position.1"), of("1"));
+        assert_eq!(source(&positions, &command, "stamp.sec"), None);
+        let out = Conversion::at_path(Some("pose.x"), Conversion::Same, Use::Fill).each();
+        assert_eq!(out.source_path("3"), of("3.pose.x"));
     }
 
     #[test]

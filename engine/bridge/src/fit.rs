@@ -1,14 +1,16 @@
 //! Checks data against a schema.
 
-use asmotion_datum::{Datum, Schema, Shape};
+use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
+
+use crate::conversion::Conversion;
 
 /// The first place where data do not fit a schema.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}expected {expected}, found {found}", location(.path))]
+#[error("{}{problem}", location(.path))]
 pub struct SchemaMisfit {
     path: String,
-    expected: String,
-    found: String,
+    /// What was expected, and what was found instead.
+    problem: String,
 }
 
 fn location(path: &str) -> String {
@@ -16,6 +18,20 @@ fn location(path: &str) -> String {
         return String::new();
     }
     format!("`{path}`: ")
+}
+
+/// Checks the argument of an operation. The value of its only field may stand for the record.
+///
+/// # Errors
+/// The first place where it does not fit.
+pub(crate) fn check_argument(argument: &Datum, request: &Schema) -> Result<(), SchemaMisfit> {
+    match (argument, &request.shape) {
+        (Datum::Record(_), _) => check_fit(argument, request),
+        (_, Shape::Record(fields)) if let [only] = fields.as_slice() => {
+            check_fit(argument, &only.schema)
+        }
+        _ => check_fit(argument, request),
+    }
 }
 
 /// Checks that data fit a schema. Fields of a record may be omitted; they have their initial values.
@@ -83,16 +99,11 @@ fn elements(
 pub(crate) fn wrong_count(expected: usize, found: usize) -> SchemaMisfit {
     SchemaMisfit {
         path: String::new(),
-        expected: format!("a list of {expected}"),
-        found: format!("one of {found}"),
+        problem: format!("expected a list of {expected}, found one of {found}"),
     }
 }
 
-fn record(
-    data: &Datum,
-    fields: &[asmotion_datum::OutlineKey],
-    schema: &Schema,
-) -> Result<(), SchemaMisfit> {
+fn record(data: &Datum, fields: &[OutlineKey], schema: &Schema) -> Result<(), SchemaMisfit> {
     let Datum::Record(entries) = data else {
         return Err(misfit(schema, data));
     };
@@ -102,11 +113,7 @@ fn record(
                 check_fit(value, &field.schema).map_err(|misfit| misfit.in_field(name))?;
             }
             None => {
-                return Err(SchemaMisfit {
-                    path: String::new(),
-                    expected: format!("`{schema}`"),
-                    found: format!("a record with `{name}`"),
-                });
+                return Err(unknown_field(name, fields));
             }
         }
     }
@@ -116,12 +123,31 @@ fn record(
 fn misfit(schema: &Schema, data: &Datum) -> SchemaMisfit {
     SchemaMisfit {
         path: String::new(),
-        expected: format!("`{schema}`"),
-        found: data.kind().to_owned(),
+        problem: format!("expected `{schema}`, found {}", data.kind()),
+    }
+}
+
+fn unknown_field(name: &str, known: &[OutlineKey]) -> SchemaMisfit {
+    let names = known.iter().map(|field| format!("`{}`", field.name));
+    let names: Vec<String> = names.collect();
+    let expected = match names.as_slice() {
+        [] => "there are no fields".to_owned(),
+        [only] => format!("expected {only}"),
+        several => format!("expected one of {}", several.join(", ")),
+    };
+    SchemaMisfit {
+        path: String::new(),
+        problem: format!("unknown field `{name}`, {expected}"),
     }
 }
 
 impl SchemaMisfit {
+    /// The misfit of a converted message, with the path in the data that were converted.
+    pub(crate) fn at_source_of(self, conversion: &Conversion) -> Self {
+        let path = conversion.source_path(&self.path).unwrap_or(self.path);
+        Self { path, ..self }
+    }
+
     pub(crate) fn in_field(mut self, step: &str) -> Self {
         self.path = match self.path.as_str() {
             "" => step.to_owned(),
@@ -169,7 +195,7 @@ mod tests {
         );
         assert_eq!(
             description(&Datum::record([("speed", Datum::Int(1))]), &command),
-            "expected `arm/Command`, found a record with `speed`"
+            "unknown field `speed`, expected one of `goal`, `n`"
         );
     }
 }

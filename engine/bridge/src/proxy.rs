@@ -11,6 +11,7 @@ mod lengths;
 mod motion;
 mod operation;
 mod settings;
+mod target;
 
 use std::sync::Arc;
 
@@ -20,11 +21,12 @@ use asmotion_component::{
 };
 use asmotion_datum::{Datum, Schema};
 
-use crate::fit::{SchemaMisfit, check_fit};
+use crate::fit::{SchemaMisfit, check_argument, check_fit};
 use events::ProxyEvents;
 use lengths::LengthMonitor;
 use motion::MotionMonitor;
 use operation::{ProxiedOperation, TAKEN_BACK, refusal};
+use target::{ProxyTarget, TargetAbsence};
 
 pub use settings::{
     IdleCriterion, ListLength, Mapped, ProxyNotification, ProxyPort, ProxySettings, ReplyMode,
@@ -41,6 +43,7 @@ pub struct PortProxy {
     motion: Option<MotionMonitor>,
     refused: RefusedCommands,
     events: Option<ProxyEvents>,
+    target: ProxyTarget,
     /// Time of the newest sample; before the first one, time of the proxy's first cycle.
     received_at: Option<Time>,
 }
@@ -111,6 +114,7 @@ impl PortProxy {
                 .and_then(|notify| notify.idle.clone())
                 .map(MotionMonitor::new),
             events: notify.map(|notify| ProxyEvents::declare(notify, interface)),
+            target: ProxyTarget::new(&settings.target),
             received_at: None,
         }
     }
@@ -132,8 +136,9 @@ impl Component for PortProxy {
         }
         self.read_inputs(cycle);
         self.check_staleness(cycle);
+        let absence = self.check_presence(cycle);
         for index in 0..self.operations.len() {
-            self.serve_requests(index, cycle);
+            self.serve_requests(index, &absence, cycle);
         }
         Ok(())
     }
@@ -218,8 +223,28 @@ impl PortProxy {
         }
     }
 
+    /// Returns why the target takes no commands, and why its last sample is out of date. A target that is not there ends the wait
+    /// of callers, and the motion.
+    fn check_presence(&mut self, cycle: &mut Cycle<'_>) -> TargetAbsence {
+        let is_stale = self.events.as_ref().is_some_and(ProxyEvents::is_stale);
+        let absence = self.target.absence(is_stale, cycle);
+        let Some(fault) = absence.of_component() else {
+            return absence;
+        };
+        for operation in &mut self.operations {
+            operation.refuse_all(fault, cycle);
+        }
+        if let Some(motion) = &mut self.motion
+            && motion.abandon()
+            && let Some(events) = &self.events
+        {
+            events.notify_fault(&fault.to_string(), cycle);
+        }
+        absence
+    }
+
     /// Handles the requests of one operation.
-    fn serve_requests(&mut self, index: usize, cycle: &mut Cycle<'_>) {
+    fn serve_requests(&mut self, index: usize, absence: &TargetAbsence, cycle: &mut Cycle<'_>) {
         let Some(served) = self.operations.get(index).map(ProxiedOperation::handle) else {
             return;
         };
@@ -229,20 +254,21 @@ impl PortProxy {
                 return;
             };
             if operation.reads() {
-                let stale = self.events.as_ref().is_some_and(ProxyEvents::is_stale);
-                let port = self
-                    .inputs
-                    .iter()
-                    .find(|input| *input.name == operation.port);
-                let result = match port {
-                    _ if stale => Err(refusal("STALE", "the target is silent")),
-                    Some(input) => operation.read(input.port, cycle),
-                    None => Err(refusal("NO_DATA", "the target has no such port")),
+                let mut inputs = self.inputs.iter();
+                let port = inputs.find(|input| *input.name == operation.port);
+                let result = match (absence.to_readings(), port) {
+                    (Some(absence), _) if !operation.has_samples() => Err(absence.clone()),
+                    (_, Some(input)) => operation.read(input.port, cycle),
+                    (_, None) => Err(refusal("NO_DATA", "the target has no such port")),
                 };
                 cycle.reply(served, request.id, result);
                 continue;
             }
-            match self.command(index, &request.argument, cycle) {
+            let commanded = match absence.to_commands() {
+                Some(absence) => Err(absence.clone()),
+                None => self.command(index, &request.argument, cycle),
+            };
+            match commanded {
                 Ok(()) => {
                     if let Some(operation) = self.operations.get_mut(index)
                         && wants_reply
@@ -273,8 +299,12 @@ impl PortProxy {
         let mut outputs = self.outputs.iter();
         let output = outputs.find(|output| output.name == operation.port);
         let output = output.ok_or_else(missing)?;
-        let message = operation.conversion.apply(argument);
         let unfit = |misfit: SchemaMisfit| refusal("BAD_ARGUMENT", &misfit.to_string());
+        check_argument(argument, &operation.request).map_err(unfit)?;
+        let conversion = &operation.conversion;
+        let message = conversion.apply(argument);
+        // the caller knows the argument, not the message
+        let unfit = |misfit: SchemaMisfit| unfit(misfit.at_source_of(conversion));
         check_fit(&message, &output.message).map_err(unfit)?;
         self.lengths
             .command(&output.name, &message)

@@ -93,6 +93,20 @@ impl Payload {
         }
     }
 
+    /// Converts the content to a sample in the form that a typed writer would give it: encoded content that fits the schema is
+    /// [completed](Schema::complete). Other content is returned as it is, for its reader to refuse.
+    ///
+    /// # Errors
+    /// As [`to_sample`](Self::to_sample).
+    pub fn to_complete_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
+        let Self::Bytes { codec, bytes } = self else {
+            return self.to_sample(schema);
+        };
+        let datum = codec.decode(bytes, schema)?;
+        let fits = schema.accepts(&datum).is_ok();
+        Ok(Arc::new(if fits { schema.complete(datum)? } else { datum }))
+    }
+
     /// Encodes the content, which has this schema, with a codec.
     ///
     /// # Errors

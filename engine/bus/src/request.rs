@@ -1,8 +1,8 @@
 //! Requests to an address: each gets one reply, or ends at its deadline.
 
 use std::fmt;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
@@ -101,6 +101,8 @@ type CallResult = Result<Payload, CallFailure>;
 /// Receives the reply to one call.
 struct ReplySlot {
     reply: Mutex<Option<CallResult>>,
+    /// See [`PendingCall::reason`].
+    reason: OnceLock<String>,
     is_replied: AtomicBool,
     notifier: Arc<Notifier>,
 }
@@ -109,6 +111,7 @@ impl ReplySlot {
     fn new(notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             reply: Mutex::new(None),
+            reason: OnceLock::new(),
             is_replied: AtomicBool::new(false),
             notifier,
         })
@@ -180,6 +183,11 @@ impl PendingCall {
         answer.take()
     }
 
+    /// Returns why the call has ended as [`CallFailure::Unavailable`], if its back end has said so.
+    pub fn reason(&self) -> Option<&str> {
+        self.slot.reason.get().map(String::as_str)
+    }
+
     /// Waits for the result, at most until the deadline.
     ///
     /// # Errors
@@ -224,6 +232,12 @@ impl DeliveryReceipt {
             .set(result.map(|()| Payload::of(asmotion_datum::Datum::Null)));
     }
 
+    /// Says why the call is about to end as [`CallFailure::Unavailable`].
+    pub fn explain(&self, reason: String) {
+        // the first reason remains
+        let _ = self.0.reason.set(reason);
+    }
+
     /// Returns whether the sender still waits for the receipt.
     pub fn is_awaited(&self) -> bool {
         Arc::strong_count(&self.0) > 1 && !self.0.is_replied.load(Ordering::Acquire)
@@ -258,6 +272,12 @@ impl IncomingCall {
         self.slot.set(result);
     }
 
+    /// Says why the call is about to end as [`CallFailure::Unavailable`], for back ends.
+    pub fn explain(&self, reason: String) {
+        // the first reason remains
+        let _ = self.slot.reason.set(reason);
+    }
+
     /// Returns whether the caller still waits for a reply.
     pub fn is_awaited(&self) -> bool {
         let has_waiting_caller = self.one_way
@@ -271,6 +291,8 @@ pub struct AddressQueue {
     waiting: ArrayQueue<IncomingCall>,
     open: AtomicBool,
     notifier: Arc<Notifier>,
+    /// Number of requests refused because the queue was full; read by the provider.
+    refused: AtomicU64,
 }
 
 impl AddressQueue {
@@ -280,6 +302,7 @@ impl AddressQueue {
             waiting: ArrayQueue::new(size.max(1)),
             open: AtomicBool::new(true),
             notifier,
+            refused: AtomicU64::new(0),
         })
     }
 
@@ -293,6 +316,7 @@ impl AddressQueue {
             return Err(CallFailure::Unavailable);
         }
         let pushed = self.waiting.push(call).map_err(|call| {
+            self.refused.fetch_add(1, Ordering::Relaxed);
             call.complete(Err(CallFailure::Unavailable));
             CallFailure::Unavailable
         });
@@ -325,6 +349,11 @@ impl ServedAddress {
             queue,
             on_drop: Some(Box::new(on_drop)),
         }
+    }
+
+    /// The number of requests refused so far because the queue was full.
+    pub fn refused(&self) -> u64 {
+        self.queue.refused.load(Ordering::Relaxed)
     }
 
     /// Removes and returns the next request that is still awaited.

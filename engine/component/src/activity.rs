@@ -34,6 +34,19 @@ pub struct Activity {
     pub priority: u8,
     /// The processors that the thread may run on; empty for all.
     pub cpus: Vec<usize>,
+    /// The thread of the cycles in real time; `None` for the one that the other settings require
+    /// ([`Activity::thread_use`]).
+    pub thread: Option<ThreadUse>,
+}
+
+/// The thread in which a live system runs the cycles of a component. A slave runs in its master's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum ThreadUse {
+    /// A thread of its own, which the operating system schedules beside all others.
+    Own,
+    /// One of the executor threads, in turn with the other components that share them.
+    Shared,
 }
 
 /// The scheduling class of a thread. If the operating system does not permit it, `Event::Denied` is reported. A slave
@@ -163,6 +176,20 @@ impl Activity {
             scheduler: Scheduler::Other,
             priority: 1,
             cpus: Vec::new(),
+            thread: None,
+        }
+    }
+
+    /// Returns the thread that a live system uses: one of its own for a component with a scheduling class, processors or a
+    /// deadline, and otherwise an executor thread. [`thread`](Self::thread) overrides a deadline, but not a class or processors,
+    /// which only a thread can have.
+    pub fn thread_use(&self) -> ThreadUse {
+        let is_scheduled = self.scheduler != Scheduler::Other || !self.cpus.is_empty();
+        match self.thread {
+            Some(ThreadUse::Own) => ThreadUse::Own,
+            Some(ThreadUse::Shared) | None if is_scheduled => ThreadUse::Own,
+            None if self.deadline.is_some() => ThreadUse::Own,
+            Some(ThreadUse::Shared) | None => ThreadUse::Shared,
         }
     }
 
@@ -249,6 +276,13 @@ impl Activity {
             cpus: cpus.into(),
             ..self
         }
+    }
+
+    /// Sets the thread of the cycles in real time.
+    #[must_use]
+    pub fn thread(self, thread: impl Into<Option<ThreadUse>>) -> Self {
+        let thread = thread.into();
+        Self { thread, ..self }
     }
 
     /// Sets the reaction to a failed cycle.

@@ -18,6 +18,7 @@ use crate::operation::{
     CallError, CallId, Operation, OperationSlot, Reply, Request, RequestId, SendStatus,
     ServiceFault, read_checked, unreadable,
 };
+use crate::peer::PeerStatus;
 use crate::property::PropertyValue;
 use crate::setup::value_of;
 
@@ -272,6 +273,18 @@ impl<'a> Cycle<'a> {
     /// ([`count_lost`](Self::count_lost)).
     pub fn set_losses(&mut self, losses: Losses) {
         self.host.set_losses(losses);
+    }
+
+    /// The status of another component of the system, at this moment; `None` if it runs in another process, or if there is
+    /// none. For components that pass on commands to it.
+    pub fn peer(&self, component: &str) -> Option<PeerStatus> {
+        self.host.peer(component)
+    }
+
+    /// Sets whether the component can reach what it stands for, such as a component of another robot (default: `true`).
+    /// Others read it as [`PeerStatus::is_reachable`].
+    pub fn set_reachable(&mut self, is_reachable: bool) {
+        self.host.set_reachable(is_reachable);
     }
 
     /// Requests another cycle at once, if the component is event-driven. For components that cannot handle all of their

@@ -39,6 +39,13 @@ pub struct PortDeclaration {
     /// Sample that the engine writes after the component's last cycle; `None` without one, and for inputs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub safe: Option<Datum>,
+    /// Whether its samples are commands, which the component must not carry out late: those that arrive while it does not run
+    /// are discarded when it starts. `false` for outputs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub command: bool,
+    /// Whether it is an input that may remain without a connection. `false` for outputs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub optional: bool,
 }
 
 /// A service that a component provides.
@@ -137,6 +144,15 @@ pub struct PropertyDeclaration {
 }
 
 impl Declaration {
+    /// Releases the memory that the lists do not use.
+    pub(crate) fn shrink(&mut self) {
+        self.inputs.shrink_to_fit();
+        self.outputs.shrink_to_fit();
+        self.services.shrink_to_fit();
+        self.references.shrink_to_fit();
+        self.properties.shrink_to_fit();
+    }
+
     /// An input port by name.
     pub fn input(&self, name: &str) -> Option<&PortDeclaration> {
         self.inputs.iter().find(|port| port.name == name)

@@ -10,6 +10,7 @@ use crate::action::CycleAction;
 use crate::background::WorkPlace;
 use crate::losses::Losses;
 use crate::operation::{CallId, OperationSlot, Reply, RequestId};
+use crate::peer::PeerStatus;
 use crate::property::AnyProperty;
 
 /// The properties of a component, which [`Setup`](crate::Setup) reads.
@@ -66,6 +67,12 @@ pub trait CycleHost: PropertyHost {
 
     /// Publishes the component's count of lost messages.
     fn set_losses(&mut self, losses: Losses);
+
+    /// The status of another component; `None` if the system has none with this name.
+    fn peer(&self, component: &str) -> Option<PeerStatus>;
+
+    /// Publishes whether what the component stands for can be reached.
+    fn set_reachable(&mut self, is_reachable: bool);
 
     /// The thread in which the component's background work runs.
     fn work_place(&self) -> &WorkPlace;

@@ -1,5 +1,6 @@
 //! The interface on which a component's constructor makes its declarations and receives handles.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -33,6 +34,9 @@ pub struct Interface {
     handlers: Vec<Vec<Option<Handler>>>,
     /// The operation that each `Required` handle refers to.
     required: Vec<OperationSlot>,
+    /// Positions of the ports of a running component that its successor has not declared yet.
+    inherited_inputs: BTreeSet<usize>,
+    inherited_outputs: BTreeSet<usize>,
 }
 
 /// The contents of an [`Interface`] for a runtime: the tables that the component's handles index.
@@ -70,11 +74,37 @@ impl Interface {
             provided: Vec::new(),
             handlers: Vec::new(),
             required: Vec::new(),
+            inherited_inputs: BTreeSet::new(),
+            inherited_outputs: BTreeSet::new(),
         }
     }
 
-    /// All declarations, for the runtime that takes over the component.
-    pub fn into_parts(self) -> InterfaceParts {
+    /// Creates an interface for the successor of a running component. A port that both declare keeps its position, and new ports
+    /// follow. A port that the successor does not declare stays, without a use.
+    pub fn following(running: &Declaration) -> Self {
+        let mut interface = Self::new();
+        for port in &running.inputs {
+            let unused = InputPort::<Datum>::new(port.schema.clone());
+            interface.inputs.push(Box::new(unused));
+        }
+        for port in &running.outputs {
+            let unused = OutputPort::<Datum>::new(port.schema.clone());
+            interface.outputs.push(Box::new(unused));
+        }
+        interface.inherited_inputs = (0..running.inputs.len()).collect();
+        interface.inherited_outputs = (0..running.outputs.len()).collect();
+        interface.declaration.inputs.clone_from(&running.inputs);
+        interface.declaration.outputs.clone_from(&running.outputs);
+        interface
+    }
+
+    /// All declarations, for the runtime that takes over the component. Most components have few ports, so each list has memory for
+    /// no more than it holds.
+    pub fn into_parts(mut self) -> InterfaceParts {
+        self.declaration.shrink();
+        self.inputs.shrink_to_fit();
+        self.outputs.shrink_to_fit();
+        self.properties.shrink_to_fit();
         InterfaceParts {
             owner: self.owner,
             declaration: self.declaration,
@@ -105,6 +135,43 @@ impl Interface {
     /// Declares an input port whose message type is known only at run time.
     pub fn input_of(&mut self, name: &str, schema: Schema, doc: &str) -> In<Datum> {
         self.add_input(name, schema, doc)
+    }
+
+    /// Marks an input whose samples are commands: those that arrive while the component does not run are discarded when it
+    /// starts, counted as lost and reported, so that it never carries out an old command. Samples of a connection with `init`
+    /// are kept; so are those of all other inputs, such as a map that is published once.
+    ///
+    /// ```
+    /// use asmotion_component::{In, Interface};
+    ///
+    /// asmotion_datum::message! {
+    ///     /// A position of a joint.
+    ///     pub struct Target = "example/Target" {
+    ///         /// rad
+    ///         pub angle: f64,
+    ///     }
+    /// }
+    ///
+    /// let mut interface = Interface::new();
+    /// let target: In<Target> = interface.input("target", "where to turn");
+    /// interface.command(target);
+    /// assert!(interface.declaration().inputs[0].command);
+    /// ```
+    pub fn command<T: Message>(&mut self, input: In<T>) -> In<T> {
+        let index = input.position(self.owner);
+        if let Some(declared) = self.declaration.inputs.get_mut(index) {
+            declared.command = true;
+        }
+        input
+    }
+
+    /// Marks an input that may remain without a connection: `check` reports others.
+    pub fn optional_input<T: Message>(&mut self, input: In<T>) -> In<T> {
+        let index = input.position(self.owner);
+        if let Some(declared) = self.declaration.inputs.get_mut(index) {
+            declared.optional = true;
+        }
+        input
     }
 
     /// Declares an output port.
@@ -309,20 +376,35 @@ impl Interface {
     }
 
     fn add_input<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> In<T> {
-        let known = self.declaration.input(name).is_some();
-        self.check_unique(known, "input", name);
-        self.inputs
-            .push(Box::new(InputPort::<T>::new(schema.clone())));
-        self.declaration.inputs.push(port(name, schema, doc));
+        let declared = &mut self.declaration.inputs;
+        let known = declared.iter().position(|port| port.name == name);
+        let (input, declaration) = (InputPort::<T>::new(schema.clone()), port(name, schema, doc));
+        if let Some(index) = known.filter(|index| self.inherited_inputs.remove(index)) {
+            self.inputs[index] = Box::new(input);
+            declared[index] = declaration;
+            return In::new(self.owner, index);
+        }
+        self.inputs.push(Box::new(input));
+        declared.push(declaration);
+        self.check_unique(known.is_some(), "input", name);
         In::new(self.owner, self.inputs.len() - 1)
     }
 
     fn add_output<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> Out<T> {
-        let known = self.declaration.output(name).is_some();
-        self.check_unique(known, "output", name);
-        self.outputs
-            .push(Box::new(OutputPort::<T>::new(schema.clone())));
-        self.declaration.outputs.push(port(name, schema, doc));
+        let declared = &mut self.declaration.outputs;
+        let known = declared.iter().position(|port| port.name == name);
+        let (output, declaration) = (
+            OutputPort::<T>::new(schema.clone()),
+            port(name, schema, doc),
+        );
+        if let Some(index) = known.filter(|index| self.inherited_outputs.remove(index)) {
+            self.outputs[index] = Box::new(output);
+            declared[index] = declaration;
+            return Out::new(self.owner, index);
+        }
+        self.outputs.push(Box::new(output));
+        declared.push(declaration);
+        self.check_unique(known.is_some(), "output", name);
         Out::new(self.owner, self.outputs.len() - 1)
     }
 
@@ -435,6 +517,8 @@ fn port(name: &str, schema: Schema, doc: &str) -> PortDeclaration {
         schema,
         doc: doc.to_owned(),
         safe: None,
+        command: false,
+        optional: false,
     }
 }
 

@@ -24,6 +24,7 @@ mod interface;
 mod life_cycle;
 mod losses;
 mod operation;
+mod peer;
 mod property;
 mod reference;
 mod setting;
@@ -33,7 +34,7 @@ mod wire;
 
 pub use action::CycleAction;
 pub use activity::{
-    Activity, Deadline, Denied, Drive, OnDeadline, OnException, Overrun, Scheduler,
+    Activity, Deadline, Denied, Drive, OnDeadline, OnException, Overrun, Scheduler, ThreadUse,
 };
 pub use asmotion_datum::Word;
 pub use asmotion_derive::{Freeze, Ports, Properties, Word};
@@ -60,6 +61,7 @@ pub use operation::{
     CallError, CallId, Dynamic, Handler, NO_SERVER, Operation, OperationSlot, Reply, Request,
     RequestId, SendStatus, ServiceFault, unreadable,
 };
+pub use peer::PeerStatus;
 pub use property::{AnyProperty, PropertyError, PropertyProblem, PropertyValue};
 pub use setting::Setting;
 pub use setup::Setup;

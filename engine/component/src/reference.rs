@@ -24,7 +24,11 @@ fn write_ports(text: &mut String, of: &Declaration) -> fmt::Result {
     for (direction, ports) in [("in", &of.inputs), ("out", &of.outputs)] {
         for port in ports {
             let (name, kind, doc) = (&port.name, &port.schema.name, cell(&port.doc));
-            writeln!(text, "| {direction} `{name}` | `{kind}` | {doc} |")?;
+            let optional = if port.optional { " (optional)" } else { "" };
+            writeln!(
+                text,
+                "| {direction} `{name}`{optional} | `{kind}` | {doc} |"
+            )?;
         }
     }
     for service in &of.services {

@@ -107,6 +107,7 @@ pub(crate) mod c142;
 pub(crate) mod c143;
 pub(crate) mod c144;
 pub(crate) mod c145;
+pub(crate) mod c146;
 pub(crate) mod c147;
 pub(crate) mod c148;
 pub(crate) mod c149;
@@ -122,6 +123,7 @@ pub(crate) mod c170;
 pub(crate) mod c171;
 pub(crate) mod c172;
 pub(crate) mod c173;
+pub(crate) mod c174;
 pub(crate) mod c180;
 pub(crate) mod c181;
 pub(crate) mod c182;
@@ -135,6 +137,7 @@ pub(crate) mod c189;
 pub(crate) mod c190;
 pub(crate) mod c200;
 pub(crate) mod c201;
+pub(crate) mod c210;
 
 use asmotion_diagnostics::Code;
 
@@ -245,6 +248,7 @@ pub const CODES: &[&Code] = &[
     c143::WrongSelectorType::CODE,
     c144::LocationBoundTwice::CODE,
     c145::InvalidTerm::CODE,
+    c146::UndefinedAtStart::CODE,
     c147::StateWithoutExit::CODE,
     c148::UnreadBoundFunction::CODE,
     c149::LiteralWithoutSource::CODE,
@@ -260,6 +264,7 @@ pub const CODES: &[&Code] = &[
     c171::UnusedBridge::CODE,
     c172::MappedTwice::CODE,
     c173::InvalidRosName::CODE,
+    c174::NoTransformation::CODE,
     c180::UnknownRosOperation::CODE,
     c181::RosOperationDiffers::CODE,
     c182::OperationNotMapped::CODE,
@@ -273,4 +278,5 @@ pub const CODES: &[&Code] = &[
     c190::NoCertificate::CODE,
     c200::InvalidWatch::CODE,
     c201::UnwatchedProperties::CODE,
+    c210::InvalidInstances::CODE,
 ];

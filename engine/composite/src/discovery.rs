@@ -14,8 +14,8 @@ use crate::codes::c150::UnmappedOperation;
 use crate::finding::Findings;
 use crate::map;
 use crate::model::{
-    BuiltinComponent, Component, Composite, Connection, End, Implementation, ListLength, Listed,
-    MapEntry, MessagePath, Policy, ProxyEntry, ProxyMode, Terminal,
+    Component, Composite, Connection, End, Implementation, ListLength, Listed, MapEntry,
+    MessagePath, Policy, ProxyEntry, ProxyMode, Terminal,
 };
 
 /// Completes the port-proxies of a composite; reports operations for which the target has no single port.
@@ -27,7 +27,11 @@ pub(crate) fn complete(
 ) {
     let mut discovered: Vec<(usize, Vec<ProxyEntry>, Vec<ListLength>)> = Vec::new();
     for (index, proxy) in composite.components.iter().enumerate() {
-        let target = target_of(proxy).and_then(|target| {
+        let target = proxy
+            .implementation
+            .as_ref()
+            .and_then(Implementation::proxy_target);
+        let target = target.and_then(|target| {
             let known = composite.component(target)?;
             Some((target, ports(known, catalogue, declared)?))
         });
@@ -51,22 +55,6 @@ pub(crate) fn complete(
         proxy.special.lengths.extend(lengths);
         let missing = missing_connections(proxy, &composite.connections);
         composite.connections.extend(missing);
-    }
-}
-
-/// Returns the target of a port-proxy; `None` for any other component.
-fn target_of(component: &Component) -> Option<&At<String>> {
-    let implementation = component.implementation.as_ref()?;
-    let is_proxy = implementation.builtin() == Some(BuiltinComponent::PortProxy);
-    match implementation {
-        Implementation::Builtin { target, .. } if is_proxy => target.as_ref(),
-        Implementation::Builtin { .. }
-        | Implementation::Rust(_)
-        | Implementation::Asm { .. }
-        | Implementation::Composite(_)
-        | Implementation::Process { .. }
-        | Implementation::Ros { .. }
-        | Implementation::Orocos { .. } => None,
     }
 }
 
@@ -314,7 +302,7 @@ fn missing_connections(proxy: &Component, connections: &[Connection]) -> Vec<Con
     });
     let lengths = proxy.special.lengths.iter().filter_map(|length| {
         let port = End {
-            component: target_of(proxy)?.clone(),
+            component: proxy.implementation.as_ref()?.proxy_target()?.clone(),
             name: length.on.as_ref()?.steps.first()?.clone(),
         };
         Some((length.span, port, ProxyMode::Last))
@@ -346,6 +334,7 @@ fn connection(proxy: &Component, span: Span, port: &End, mode: ProxyMode) -> Con
         ProxyMode::Last | ProxyMode::All => (theirs, own),
     };
     Connection {
+        instances: None,
         span,
         from: vec![from],
         to: vec![to],

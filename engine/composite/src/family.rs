@@ -38,6 +38,8 @@ pub struct Family {
     members: BTreeMap<String, Member>,
     types: BTreeMap<String, TypeFile>,
     specifications: BTreeMap<String, Box<dyn Signature>>,
+    /// Places of the elements that stand for several instances.
+    repeated: Vec<Span>,
 }
 
 /// A composite file and the resolved paths of the files it names.
@@ -50,6 +52,8 @@ pub struct Member {
     programs: BTreeMap<String, ProgramAnswer>,
     /// Names of the components that only processes elsewhere run.
     elsewhere: BTreeSet<String>,
+    /// Entries of tables of names that could not be read: the key of the table, and the name.
+    unread: Vec<(&'static str, String)>,
 }
 
 impl Family {
@@ -75,12 +79,14 @@ impl Family {
             broken: Vec::new(),
             chain: Vec::new(),
             is_elsewhere: false,
+            repeated: Vec::new(),
         };
         visit.composite(&root, None);
         let Visit {
             members,
             types,
             specifications,
+            repeated,
             ..
         } = visit;
         Self {
@@ -88,6 +94,7 @@ impl Family {
             members,
             types,
             specifications,
+            repeated,
         }
     }
 
@@ -181,6 +188,39 @@ impl Family {
         ExtendedCatalogue::new(catalogue, programs.filter_map(|it| it.as_ref().ok()))
     }
 
+    /// Combines the diagnostics about instances of one element at one place: the first remains, with the number of the others.
+    pub fn combine_instances(&self, report: Report) -> Report {
+        let is_within = |at: &Span, place: &Span| {
+            at.file == place.file && place.start <= at.start && at.end <= place.end
+        };
+        let mut combined = Report::new();
+        let mut others: BTreeMap<(&str, Span), (usize, usize)> = BTreeMap::new();
+        for diagnostic in report.diagnostics {
+            let at = diagnostic.primary.as_ref().map(|label| label.span);
+            let at = at.filter(|at| self.repeated.iter().any(|place| is_within(at, place)));
+            let position = combined.diagnostics.len();
+            let Some(at) = at else {
+                combined.push(diagnostic);
+                continue;
+            };
+            let (_, count) = others
+                .entry((diagnostic.code.name, at))
+                .or_insert((position, 0));
+            *count += 1;
+            if *count == 1 {
+                combined.push(diagnostic);
+            }
+        }
+        for (position, count) in others.into_values().filter(|(_, count)| *count > 1) {
+            let note = match count - 1 {
+                1 => "the same is true of another instance".to_owned(),
+                others => format!("the same is true of {others} other instances"),
+            };
+            combined.diagnostics[position].notes.push(note);
+        }
+        combined
+    }
+
     /// Iterates over the type files named by a composite.
     pub(crate) fn types<'f>(&'f self, member: &'f Member) -> impl Iterator<Item = &'f TypeFile> {
         let files = member.composite.head.types.iter();
@@ -192,6 +232,12 @@ impl Member {
     /// Returns the resolved path of a file named in this composite.
     pub fn path(&self, file: &str) -> Option<&str> {
         self.paths.get(file).map(String::as_str)
+    }
+
+    /// Iterates over the entries of the tables of names with a key that could not be read.
+    pub(crate) fn unread<'m>(&'m self, table: &'m str) -> impl Iterator<Item = &'m str> {
+        let of_table = self.unread.iter().filter(move |(key, _)| *key == table);
+        of_table.map(|(_, name)| name.as_str())
     }
 
     /// Returns whether only processes elsewhere run a component.
@@ -248,6 +294,8 @@ struct Visit<'v, 'c> {
     chain: Vec<(String, Option<Span>)>,
     /// The composite being read is part of a component that runs elsewhere.
     is_elsewhere: bool,
+    /// Places of the elements that stand for several instances.
+    repeated: Vec<Span>,
 }
 
 impl Visit<'_, '_> {
@@ -257,14 +305,15 @@ impl Visit<'_, '_> {
         }
         let tree = self.tree(path, at);
         let read = tree.zip(self.sources.find(path)).and_then(|(tree, file)| {
-            let (composite, report) = read::composite(file, self.sources.text(file), &tree);
-            self.report.extend(report);
-            if let Some(composite) = &composite {
+            let read = read::composite(file, self.sources.text(file), &tree);
+            self.report.extend(read.report);
+            self.repeated.extend(read.repeated);
+            if let Some(composite) = &read.composite {
                 properties::check(composite, &tree, self.report);
             }
-            composite
+            Some((read.composite?, read.unread))
         });
-        let Some(mut composite) = read else {
+        let Some((mut composite, unread)) = read else {
             self.broken.push(path.to_owned());
             return;
         };
@@ -341,6 +390,7 @@ impl Visit<'_, '_> {
                 paths,
                 programs,
                 elsewhere,
+                unread,
             },
         );
     }

@@ -14,6 +14,8 @@ pub mod end;
 mod environment;
 pub mod family;
 pub mod finding;
+mod first_step;
+mod instances;
 pub mod map;
 pub mod mission;
 mod misspelt;

@@ -275,6 +275,7 @@ impl Substitution {
                 port: self.at(port),
                 value: self.argument(value),
             },
+            Action::Cancel(cancel) => Action::Cancel(cancel.clone()),
         }
     }
 

@@ -172,9 +172,19 @@ impl ServiceScope<'_> {
                 (None, _) => wires.push(wire),
                 // reported as a service of ROS
                 (Some(interface), None) if interface.value.starts_with(ROS) => wires.push(wire),
-                (Some(interface), None) => {
-                    wires.extend(resolved(wire, &interface, &services, report));
-                }
+                (Some(interface), None) => match &wire.url {
+                    Some(url) => {
+                        report.found(ExclusiveKeys {
+                            first: "url".to_owned(),
+                            first_at: url.span,
+                            second: "interface".to_owned(),
+                            at: interface.span,
+                            reason: "finds a component of this composite, but the `url` leads out of it",
+                        });
+                        wires.push(wire);
+                    }
+                    None => wires.extend(resolved(wire, &interface, &services, report)),
+                },
                 (Some(interface), Some(service)) => {
                     report.found(ExclusiveKeys {
                         first: "service".to_owned(),

@@ -16,6 +16,16 @@ pub fn composite() -> Json {
     // a composite with a base inherits its name
     schema["required"] = json!(["schema"]);
     schema["anyOf"] = json!([{ "required": ["composite"] }, { "required": ["base"] }]);
+    // and its components, which it changes, inherit their implementations
+    let component = schema.pointer_mut("/properties/components/additionalProperties");
+    let required = component
+        .and_then(Json::as_object_mut)
+        .and_then(|component| component.remove("required"));
+    if let Some(required) = required {
+        let component = json!({ "additionalProperties": { "required": required } });
+        schema["if"] = json!({ "not": { "required": ["base"] } });
+        schema["then"] = json!({ "properties": { "components": component } });
+    }
     schema
 }
 

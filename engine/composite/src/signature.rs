@@ -115,8 +115,28 @@ pub trait Signature {
         Vec::new()
     }
 
+    /// Makes the first step with these values of bound functions. If it fails because something is undef, returns the functions
+    /// without whose values it does, by name, and the place of what needs them.
+    fn undefined_at_start(&self, values: &BTreeMap<String, StartValue>) -> Vec<(String, Span)> {
+        let _ = values;
+        Vec::new()
+    }
+
     /// Returns the name and location of the main rule.
     fn main_rule(&self) -> Option<(String, Span)>;
+}
+
+/// The value of a bound function before the first message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum StartValue {
+    /// None.
+    Undef,
+    /// A truth value.
+    Bool(bool),
+    /// A number.
+    Int(i64),
+    /// The name of a literal, or a string.
+    Text(String),
 }
 
 /// A literal that no input of the composite yields.

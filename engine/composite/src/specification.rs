@@ -8,16 +8,17 @@ use asmotion_coordinator::CONTROL_STATES;
 use asmotion_diagnostics::{FileId, Finding, Loader, Report, Sources, Span};
 use asmotion_lang::Specification;
 use asmotion_lang::hir::{self, DomainKind, Model, RuleKind, TermKind, Type, TypeId, UpdateTarget};
-use asmotion_lang::ir::{self, MessageRole, Program, message_uses};
+use asmotion_lang::ir::{self, MessageRole, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
 use asmotion_verify::Monitors;
 
 use crate::codes::c201::UnwatchedProperties;
+use crate::first_step::Executable;
 use crate::signature::{
     Annotated, AnnotatedPort, Annotations, Codomain, EnteredState, FunctionInfo, FunctionKind,
-    MissingLiteral, ParameterInfo, Signature, Specifications, StatedProperties,
+    MissingLiteral, ParameterInfo, Signature, Specifications, StartValue, StatedProperties,
 };
 
 /// Loads `.asm` files with the language crates.
@@ -50,11 +51,14 @@ impl Specifications for AsmFiles<'_> {
                 let annotations = units.last().map(|main| annotations(&main.tree, &model));
                 let annotations = annotations.unwrap_or_default();
                 // what cannot be lowered is reported when the specification starts
-                let program = ir::lower(&model).ok().map(|lowered| lowered.program);
+                let executable = ir::lower(&model).ok().map(|lowered| Executable {
+                    program: Arc::new(lowered.program),
+                    origins: lowered.origins,
+                });
                 let (model, warnings) = unwatched(model, sources);
                 Ok(Some(Box::new(ModelSignature {
                     model: RefCell::new(model),
-                    program,
+                    executable,
                     annotations,
                     warnings,
                 })))
@@ -68,7 +72,7 @@ struct ModelSignature {
     /// Terms are added to it and removed again for their check.
     model: RefCell<Model>,
     /// The model in executable form; `None` if it cannot be lowered.
-    program: Option<Program>,
+    executable: Option<Executable>,
     annotations: Annotations,
     /// Warnings that concern runs.
     warnings: Report,
@@ -259,6 +263,13 @@ impl Signature for ModelSignature {
         missing.collect()
     }
 
+    fn undefined_at_start(&self, values: &BTreeMap<String, StartValue>) -> Vec<(String, Span)> {
+        let executable = self.executable.as_ref();
+        executable.map_or_else(Vec::new, |it| {
+            it.undefined_at_start(&self.model.borrow(), values)
+        })
+    }
+
     fn main_rule(&self) -> Option<(String, Span)> {
         let model = self.model.borrow();
         let main = model.main?;
@@ -274,7 +285,7 @@ impl ModelSignature {
         function: hir::FunctionId,
         types: &[TypeId],
     ) -> Vec<ParameterInfo> {
-        let program = self.program.as_ref();
+        let program = self.executable.as_ref().map(|it| &*it.program);
         let declared = program.and_then(|it| it.functions.get(function.0 as usize));
         let parameters = types.iter().enumerate().map(|(at, kind)| {
             let shape = declared.and_then(|declared| declared.parameters.get(at));

@@ -1,5 +1,5 @@
 //! The JSON Schema of the dialect agrees with the reader.
-#![allow(missing_docs, clippy::expect_used, reason = "tests")]
+#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 use std::path::{Path, PathBuf};
 
@@ -93,6 +93,30 @@ fn it_accepts_every_composite_that_the_reader_accepts() {
         }
     }
     assert!(seen > 50, "{seen}");
+}
+
+#[test]
+fn a_component_of_a_base_inherits_its_implementation() {
+    let schema = asmotion_composite::schema::composite();
+    let [own, based] = [
+        "composite = { name = \"a\" }",
+        "base = \"b.composite.toml\"",
+    ]
+    .map(|first| {
+        let text = format!(
+            "schema = \"composite/1\"\n{first}\n[components.Planner]\nproperties = {{ goal = 1 }}\n"
+        );
+        let json: Json = toml::from_str(&text).expect("TOML");
+        complaints(&json, &schema)
+    });
+    assert_eq!(based, [""; 0]);
+    let [complaint] = &*own else {
+        panic!("{own:?}");
+    };
+    assert!(
+        complaint.contains("\"implementation\" is a required property"),
+        "{complaint}"
+    );
 }
 
 #[test]

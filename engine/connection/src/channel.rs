@@ -150,12 +150,13 @@ mod tests {
     use crate::pool::Pool;
 
     /// All implementations for a kind of buffer, each with one writer and one reader.
-    fn all_channels(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 4] {
+    fn all_channels(kind: BufferKind) -> [(Sender<u64>, Receiver<u64>); 5] {
         let ends = |pool: Pool<u64>| (pool.sender(), pool.receiver());
         [
             channel(kind),
             ends(Pool::lock_free(kind)),
             ends(Pool::locked(kind)),
+            ends(Pool::on_demand(kind)),
             ends(crate::pool::unsync::tests::in_this_thread(kind)),
         ]
     }

@@ -18,6 +18,11 @@ impl<T> Pool<T> {
         Self(SharedBuffer::lock_free(kind))
     }
 
+    /// Creates a lock-free pool whose memory is allocated with the first sample, by the thread that sends it.
+    pub fn on_demand(kind: BufferKind) -> Self {
+        Self(SharedBuffer::on_demand(kind))
+    }
+
     /// Creates a pool guarded by a lock, so that ends may wait for each other (RTT LOCKED).
     pub fn locked(kind: BufferKind) -> Self {
         Self(SharedBuffer::Locked(Arc::new(Mutex::new(Store::new(kind)))))

@@ -1,6 +1,6 @@
 //! A queue that several ends share.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use crossbeam_queue::ArrayQueue;
 
@@ -16,6 +16,13 @@ pub(crate) enum SharedBuffer<T> {
     Circular(Arc<ArrayQueue<T>>),
     Locked(Arc<Mutex<Store<T>>>),
     Unsync(Unsync<Store<T>>),
+    OnDemand(Arc<QueueOnDemand<T>>),
+}
+
+/// A lock-free queue that is allocated with the first sample. Most connections into a system from outside are never used.
+pub(crate) struct QueueOnDemand<T> {
+    kind: BufferKind,
+    queue: OnceLock<Box<ArrayQueue<T>>>,
 }
 
 impl<T> SharedBuffer<T> {
@@ -29,20 +36,28 @@ impl<T> SharedBuffer<T> {
         }
     }
 
+    /// A lock-free queue that is allocated with the first sample.
+    pub(crate) fn on_demand(kind: BufferKind) -> Self {
+        Self::OnDemand(Arc::new(QueueOnDemand {
+            kind,
+            queue: OnceLock::new(),
+        }))
+    }
+
     pub(crate) fn push(&self, sample: T) -> PushOutcome {
         match self {
-            Self::Newest(queue) => {
-                queue.force_push(sample);
-                PushOutcome::Stored
+            Self::Newest(queue) => push_newest(queue, sample),
+            Self::Buffer(queue) => push_buffer(queue, sample),
+            Self::Circular(queue) => push_circular(queue, sample),
+            Self::OnDemand(on_demand) => {
+                let make = || Box::new(ArrayQueue::new(on_demand.kind.size()));
+                let queue = on_demand.queue.get_or_init(make);
+                match on_demand.kind {
+                    BufferKind::Data => push_newest(queue, sample),
+                    BufferKind::Buffer(_) => push_buffer(queue, sample),
+                    BufferKind::Circular(_) => push_circular(queue, sample),
+                }
             }
-            Self::Buffer(queue) => match queue.push(sample) {
-                Ok(()) => PushOutcome::Stored,
-                Err(_) => PushOutcome::DroppedNewest,
-            },
-            Self::Circular(queue) => match queue.force_push(sample) {
-                None => PushOutcome::Stored,
-                Some(_) => PushOutcome::DroppedOldest,
-            },
             // the displaced sample is dropped after the lock is released, because its destructor may be slow
             Self::Locked(store) => {
                 let (delivery, gone) = locked(store).push(sample);
@@ -62,6 +77,7 @@ impl<T> SharedBuffer<T> {
             Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.pop(),
             Self::Locked(store) => locked(store).pop(),
             Self::Unsync(store) => store.with(Store::pop),
+            Self::OnDemand(on_demand) => on_demand.queue.get()?.pop(),
         }
     }
 
@@ -72,6 +88,7 @@ impl<T> SharedBuffer<T> {
             }
             Self::Locked(store) => Arc::strong_count(store),
             Self::Unsync(store) => store.strong_count(),
+            Self::OnDemand(on_demand) => Arc::strong_count(on_demand),
         };
         shares == 1
     }
@@ -81,6 +98,7 @@ impl<T> SharedBuffer<T> {
             Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.len(),
             Self::Locked(store) => locked(store).len(),
             Self::Unsync(store) => store.with(|store| store.len()),
+            Self::OnDemand(on_demand) => on_demand.queue.get().map_or(0, |queue| queue.len()),
         }
     }
 }
@@ -93,7 +111,27 @@ impl<T> Clone for SharedBuffer<T> {
             Self::Circular(queue) => Self::Circular(Arc::clone(queue)),
             Self::Locked(store) => Self::Locked(Arc::clone(store)),
             Self::Unsync(store) => Self::Unsync(store.clone()),
+            Self::OnDemand(on_demand) => Self::OnDemand(Arc::clone(on_demand)),
         }
+    }
+}
+
+fn push_newest<T>(queue: &ArrayQueue<T>, sample: T) -> PushOutcome {
+    queue.force_push(sample);
+    PushOutcome::Stored
+}
+
+fn push_buffer<T>(queue: &ArrayQueue<T>, sample: T) -> PushOutcome {
+    match queue.push(sample) {
+        Ok(()) => PushOutcome::Stored,
+        Err(_) => PushOutcome::DroppedNewest,
+    }
+}
+
+fn push_circular<T>(queue: &ArrayQueue<T>, sample: T) -> PushOutcome {
+    match queue.force_push(sample) {
+        None => PushOutcome::Stored,
+        Some(_) => PushOutcome::DroppedOldest,
     }
 }
 

@@ -141,7 +141,7 @@ pub struct Out {
 pub enum Effect {
     /// Publishes the value itself.
     Publish(Published),
-    /// Runs actions that depend on the literal; literals that are not listed have no effect.
+    /// Runs actions that depend on the literal; literals that are not listed have no effect, not even on calls under way.
     Literals(Vec<Case>),
 }
 
@@ -195,11 +195,15 @@ pub enum Action {
         /// Content of the message.
         value: Argument,
     },
+    /// Cancels the call under way that an earlier update of the function made, if the flag is set. Any other action cancels
+    /// it as well.
+    Cancel(bool),
 }
 
 /// A call of a service, whose outcome comes back as an event.
 ///
-/// A later update of the same out function cancels the call, because its outcome would no longer be relevant.
+/// A later update of the same out function to a value with an action cancels the call, because its outcome would no longer be
+/// relevant. An update to any other value leaves it under way, so that an out function may be set for a single step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
     /// The operation of one of the component's references.
@@ -306,6 +310,7 @@ pub(crate) fn terms(binding: &Binding) -> impl Iterator<Item = &str> {
         .chain(actions(binding).flat_map(|action| match action {
             Action::Call(call) => terms_of(&call.with),
             Action::Publish { value, .. } => terms_of(value),
+            Action::Cancel(_) => Vec::new(),
         }))
 }
 
@@ -320,9 +325,10 @@ fn terms_of(argument: &Argument) -> Vec<&str> {
 /// The names of the responses, ports and services whose data a binding uses.
 pub(crate) fn kept_names(binding: &Binding) -> BTreeSet<&str> {
     let matching = binding.monitored.iter().flat_map(|it| &it.matching);
-    let arguments = actions(binding).map(|action| match action {
-        Action::Call(call) => &call.with,
-        Action::Publish { value, .. } => value,
+    let arguments = actions(binding).filter_map(|action| match action {
+        Action::Call(call) => Some(&call.with),
+        Action::Publish { value, .. } => Some(value),
+        Action::Cancel(_) => None,
     });
     let mut names = BTreeSet::new();
     for argument in arguments.chain(matching.map(|(_, value)| value)) {
@@ -354,7 +360,7 @@ impl Binding {
     pub fn calls(&self) -> impl Iterator<Item = &Call> {
         actions(self).filter_map(|action| match action {
             Action::Call(call) => Some(call),
-            Action::Publish { .. } => None,
+            Action::Publish { .. } | Action::Cancel(_) => None,
         })
     }
 }

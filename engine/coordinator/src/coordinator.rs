@@ -5,14 +5,13 @@ use crate::binding::{Binding, Interfaces};
 use crate::content::AfterStep;
 use crate::cycle_recorder::{CycleRecorder, RecordedMachine};
 use crate::effects::{EffectHandles, EffectOutbox, OutputResolver, WrittenPort};
-use crate::fingerprint::fingerprint;
 use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
 use crate::partners::MessagePartners;
+use crate::prepared::PreparedSpecification;
 use crate::recorded::{CycleCauses, MachineOrigin, RECORDED_CYCLE_REPORT, RecordedCycle};
 use crate::requests::Requests;
 use crate::step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
-use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
 use crate::watch::Watch;
 use crate::watcher::{StepFailure, WatchedStep, Watcher};
@@ -25,13 +24,11 @@ use asmotion_lang::machine::{BackEnd, Machine, StepFault};
 use asmotion_lang::simulate::{RecordedMessage, Seeded};
 use asmotion_lang::{Diagnostic, FaultKind, Specification, Style, Value};
 use std::any::Any;
+use std::sync::Arc;
 
 /// A component that runs a specification: its cycle is one step of the machine.
 pub struct Coordinator {
-    pub(crate) specification: Specification,
-    pub(crate) binding: Binding,
-    /// Fingerprint of the specification and the bindings, stored in frozen states.
-    pub(crate) fingerprint: String,
+    pub(crate) prepared: Arc<PreparedSpecification>,
     pub(crate) machine: Machine,
     pub(crate) chooser: Seeded,
     pub(crate) inbox: MessageInputs,
@@ -75,47 +72,57 @@ impl Coordinator {
     /// # Errors
     /// As [`Coordinator::new`], or a property or the safe rule does not fit the specification.
     pub fn watching(
-        mut specification: Specification,
+        specification: Specification,
         binding: &Binding,
         watch: &Watch,
         interfaces: &Interfaces,
         seed: u64,
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
-        let terms = BindingTerms::add(binding, &mut specification)?;
-        let watcher = Watcher::new(&mut specification, watch)?;
+        let prepared = PreparedSpecification::new(specification, binding.clone(), watch)?;
+        Self::of(Arc::new(prepared), interfaces, seed, interface)
+    }
+
+    /// As [`Coordinator::new`], for a specification that is prepared and may have other coordinators.
+    ///
+    /// # Errors
+    /// The bindings do not fit the interfaces.
+    pub fn of(
+        prepared: Arc<PreparedSpecification>,
+        interfaces: &Interfaces,
+        seed: u64,
+        interface: &mut Interface,
+    ) -> Result<Self, BindError> {
+        let (specification, binding) = (&prepared.specification, &prepared.binding);
         let handles = declare(binding, interfaces, interface)?;
         let requests = Requests::declare(binding, interfaces, interface)?;
         let partners = MessagePartners::declare(
-            &specification,
+            specification,
             &interfaces.references,
             &interfaces.services,
             interface,
         );
-        let machine = initial_machine(&specification, &partners).map_err(BindError::Initial)?;
+        let machine = prepared.machine(&partners);
         let health = health(&handles);
         let mut frame = InputFrame::default();
         let mut inbox = MessageInputs::new(
             binding,
-            &specification,
+            specification,
             &handles.inputs,
             &requests,
-            &terms,
+            &prepared.terms,
             &mut frame,
         )?;
         let mut resolver = OutputResolver {
-            specification: &specification,
+            specification,
             handles: &handles,
-            terms: &terms,
+            terms: &prepared.terms,
             inbox: &mut inbox,
             frame: &mut frame,
         };
         let outputs = resolver.outputs(binding)?;
         let outbox = EffectOutbox::new(outputs, handles, binding);
         Ok(Self {
-            fingerprint: fingerprint(&specification, binding, watch),
-            specification,
-            binding: binding.clone(),
             machine,
             chooser: Seeded::new(seed),
             inbox,
@@ -127,7 +134,8 @@ impl Coordinator {
             reported: Losses::default(),
             last_record: None,
             recorder: None,
-            watcher,
+            watcher: prepared.watcher.clone(),
+            prepared,
         })
     }
 
@@ -162,8 +170,7 @@ impl Component for Coordinator {
     /// begins again in its initial state: it was cleaned up, or reset after an exception.
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
         if self.machine.steps() > 0 {
-            let machine = initial_machine(&self.specification, &self.partners);
-            self.machine = machine.map_err(Fault::new)?;
+            self.machine = self.prepared.machine(&self.partners);
             self.inbox.stop_timers();
             self.outbox.published.clear();
             self.watcher.begin();
@@ -220,7 +227,7 @@ impl Component for Coordinator {
         if is_safe || !step.updates().is_empty() || !step.sent().is_empty() {
             let record = StepRecord {
                 safe_rule: made.replaced.as_ref().map(|it| it.rule.clone()),
-                ..StepRecord::of(&self.specification, &self.machine, &step)
+                ..StepRecord::of(&self.prepared.specification, &self.machine, &step)
             };
             // the step is reported before its effects
             cycle.report(STEP_REPORT, Datum::of(&record)?);
@@ -258,19 +265,6 @@ impl Component for Coordinator {
     }
 }
 
-/// A machine in the initial state of the specification. The error is rendered.
-fn initial_machine(
-    specification: &Specification,
-    partners: &MessagePartners,
-) -> Result<Machine, String> {
-    let mut machine = specification.machine().map_err(|fault| {
-        let finding = specification.explain(&fault);
-        asmotion_lang::render(&finding, &specification.sources, Style::Plain)
-    })?;
-    machine.set_partners(partners.agents());
-    Ok(machine)
-}
-
 /// Adds the inputs without a value to the explanation of a guard or an invariant that is undef, with the key that gives them one.
 fn with_missing_inputs(finding: Diagnostic, fault: &StepFault, machine: &Machine) -> Diagnostic {
     let is_undef = |value: &Value| *value == Value::Undef;
@@ -295,7 +289,7 @@ impl Coordinator {
         let recorder = self.recorder.as_mut()?;
         let agents = self.partners.agents();
         let machine = RecordedMachine {
-            specification: &self.specification,
+            specification: &self.prepared.specification,
             machine: &self.machine,
             agents: &agents,
             watch: &self.watcher.watch,
@@ -317,7 +311,7 @@ impl Coordinator {
             return Ok(());
         };
         let fault = fault.map(ToOwned::to_owned);
-        let (specification, machine) = (&self.specification, &self.machine);
+        let (specification, machine) = (&self.prepared.specification, &self.machine);
         let record = RecordedCycle {
             violations: made.violations.clone(),
             replaced: made.replaced.clone(),
@@ -337,12 +331,12 @@ impl Coordinator {
             StepFailure::Fault(fault) => fault.step,
             StepFailure::Unsafe(_) => self.machine.steps(),
         };
-        let record = StepRecord::failed(&self.specification, &self.machine, number);
+        let record = StepRecord::failed(&self.prepared.specification, &self.machine, number);
         cycle.report(FAILED_STEP_REPORT, Datum::of(&record)?);
-        let message = failure.message(&self.specification, &self.machine);
+        let message = failure.message(&self.prepared.specification, &self.machine);
         let fault = match failure {
             StepFailure::Fault(fault) => {
-                let finding = self.specification.explain_in(fault, &self.machine);
+                let finding = self.prepared.specification.explain_in(fault, &self.machine);
                 self.rendered(&with_missing_inputs(finding, fault, &self.machine))
             }
             StepFailure::Unsafe(_) => Fault::new(message.clone()),
@@ -374,11 +368,11 @@ impl Coordinator {
 
     /// The fault of a term, with its places in the texts.
     pub(crate) fn explained(&self, fault: &StepFault) -> Fault {
-        self.rendered(&self.specification.explain_in(fault, &self.machine))
+        self.rendered(&self.prepared.specification.explain_in(fault, &self.machine))
     }
 
     pub(crate) fn rendered(&self, finding: &Diagnostic) -> Fault {
-        let sources = &self.specification.sources;
+        let sources = &self.prepared.specification.sources;
         Fault::new(asmotion_lang::render(finding, sources, Style::Plain))
     }
 

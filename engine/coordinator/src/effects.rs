@@ -10,11 +10,12 @@ use crate::convert::{datum_of, literal_value};
 use crate::frame::InputFrame;
 use crate::inputs::{EventTarget, MessageInputs};
 use crate::location::LocationName;
-use crate::requests::{Requests, WaitingCaller, superseded_fault};
+use crate::published_value::{PublishedValue, message_of, messages};
+use crate::requests::{Requests, WaitingCaller, cancelled_fault, superseded_fault};
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
 use asmotion_component::{CallError, CallId, Cycle, Dynamic, Out, Reply, Required, ServiceFault};
-use asmotion_datum::{Datum, FieldName, Schema};
+use asmotion_datum::{Datum, Schema};
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{FunctionId, Slot, ValueShape};
 use asmotion_lang::value::Value;
@@ -39,6 +40,8 @@ pub(crate) struct WrittenPort {
 /// The bound out functions of a specification, and their calls under way.
 pub(crate) struct EffectOutbox {
     outputs: Vec<BoundOutput>,
+    /// For each output, the outputs whose values are in its message.
+    messages: Vec<Vec<usize>>,
     /// Responses by the names under which they are kept.
     pub kept: BTreeMap<String, Datum>,
     /// The newest messages published on the output ports that the binding refers to, by port.
@@ -58,14 +61,36 @@ pub(crate) struct BoundOutput {
     effect: BoundEffect,
 }
 
+impl BoundOutput {
+    /// The way in which its value is published, unless its updates have other effects.
+    fn published(&self) -> Option<&PublishedValue> {
+        match &self.effect {
+            BoundEffect::Publish(published) => Some(published),
+            BoundEffect::Literals(_) => None,
+        }
+    }
+
+    /// The slot of the location; `None` before its first update, unless it has an initial value.
+    fn slot(&self, after: &AfterStep<'_>) -> Option<Slot> {
+        let (state, program) = (after.machine.state(), after.machine.program());
+        state.slot(program, self.function, &self.arguments)
+    }
+
+    /// Returns whether the step demands a message with its value.
+    fn is_due(&self, after: &AfterStep<'_>) -> bool {
+        let (Some(published), Some(slot)) = (self.published(), self.slot(after)) else {
+            return false;
+        };
+        match (published.when, after.update(Some(slot))) {
+            (PublishWhen::EveryStep, _) | (PublishWhen::OnUpdate, Some(_)) => true,
+            (PublishWhen::OnChange, Some((_, has_changed))) => has_changed,
+            (PublishWhen::OnUpdate | PublishWhen::OnChange, None) => false,
+        }
+    }
+}
+
 enum BoundEffect {
-    Publish {
-        port: Out<Datum>,
-        field: Option<String>,
-        /// Fields that say which location the message is about, and their values.
-        key: Vec<(String, Datum)>,
-        when: PublishWhen,
-    },
+    Publish(PublishedValue),
     Literals(Vec<(Value, Vec<BoundAction>)>),
 }
 
@@ -83,6 +108,8 @@ enum BoundAction {
         with: BoundContent,
         outcome: OutcomeEffect,
     },
+    /// Cancels the call under way, as every action does.
+    Cancel,
 }
 
 impl AfterStep<'_> {
@@ -109,7 +136,7 @@ pub(crate) struct OutcomeEffect {
     /// Position of the call among all calls of the binding.
     pub number: usize,
     operation: BoundOperation,
-    /// Position of the out location whose update made the call; a later update of it cancels the call.
+    /// Position of the out location whose update made the call; a later update of it to a value with actions cancels the call.
     output: usize,
     keep: Option<String>,
     /// The location that takes the event.
@@ -192,6 +219,7 @@ impl OutputResolver<'_> {
     ) -> Result<(Value, Vec<BoundAction>), BindError> {
         let literal = literal(&out.location, &case.literal, located, self.specification)?;
         let actions = case.actions.iter();
+        let actions = actions.filter(|action| **action != Action::Cancel(false));
         let actions = actions.map(|action| self.action(action, output));
         Ok((literal, actions.collect::<Result<_, _>>()?))
     }
@@ -205,6 +233,7 @@ impl OutputResolver<'_> {
                 port: handles.output(port)?,
                 value: BoundContent::resolve(value, self.terms)?,
             }),
+            Action::Cancel(_) => Ok(BoundAction::Cancel),
             Action::Call(call) => {
                 let mut operations = handles.operations.iter();
                 let found = operations.find(|(known, _)| *known == call.operation);
@@ -263,8 +292,12 @@ impl EffectOutbox {
         let names = kept_names(binding);
         let recorded = handles.outputs.into_iter();
         let recorded = recorded.filter(|(port, _)| names.contains(port.as_str()));
+        let published: Vec<Option<&PublishedValue>> =
+            outputs.iter().map(BoundOutput::published).collect();
+        let messages = messages(&published);
         Self {
             outputs,
+            messages,
             kept: BTreeMap::new(),
             published: BTreeMap::new(),
             recorded: recorded.collect(),
@@ -365,45 +398,28 @@ impl EffectOutbox {
         requests: &mut Requests,
     ) {
         for (position, out) in self.outputs.iter().enumerate() {
-            let state = after.machine.state();
-            let slot = state.slot(after.machine.program(), out.function, &out.arguments);
-            let update = after.update(slot);
             match &out.effect {
-                BoundEffect::Publish {
-                    port,
-                    field,
-                    key,
-                    when,
-                } => {
-                    let is_due = match (when, &update) {
-                        (PublishWhen::EveryStep, _) | (PublishWhen::OnUpdate, Some(_)) => true,
-                        (PublishWhen::OnChange, Some((_, has_changed))) => *has_changed,
-                        (PublishWhen::OnUpdate | PublishWhen::OnChange, None) => false,
-                    };
-                    if let (true, Some(slot)) = (is_due, slot) {
-                        let value =
-                            datum_of(after.machine.state().get(slot), &after.machine.naming());
-                        // undef is null in a field of any type: a reader takes it as no value
-                        let written = if value.is_null() { &[] } else { &*self.written };
-                        let message = message_of(value, field.as_deref(), key);
+                BoundEffect::Publish(published) => {
+                    let members = self.messages.get(position).into_iter().flatten();
+                    let members: Vec<&BoundOutput> =
+                        members.filter_map(|it| self.outputs.get(*it)).collect();
+                    if members.iter().any(|it| it.is_due(after)) {
                         let record = (&*self.recorded, &mut self.published);
-                        publish(*port, message, written, record, cycle);
+                        publish_values(published, &members, &self.written, record, after, cycle);
                     }
                 }
                 BoundEffect::Literals(cases) => {
-                    let Some((value, _)) = update else { continue };
-                    let is_answered =
-                        |pending: &mut PendingOutcome| pending.outcome.output == position;
-                    for pending in self.pending.extract_if(.., is_answered) {
-                        cycle.cancel(pending.call);
-                        if let Some(caller) = pending.caller {
-                            cycle.reply(caller.handle, caller.request, Err(superseded_fault()));
-                        }
-                    }
+                    let Some((value, _)) = after.update(out.slot(after)) else {
+                        continue;
+                    };
+                    let Some(actions) = actions_of(cases, &value) else {
+                        continue;
+                    };
+                    cancel_calls(&mut self.pending, position, actions, cycle);
                     inbox.remove_outcomes(position);
-                    let case = cases.iter().find(|(literal, _)| *literal == value);
-                    for action in case.into_iter().flat_map(|(_, actions)| actions) {
+                    for action in actions {
                         match action {
+                            BoundAction::Cancel => {}
                             BoundAction::Publish { port, value } => {
                                 match evaluate(value, &self.context(requests), after, cycle) {
                                     Ok(message) => {
@@ -441,17 +457,46 @@ impl EffectOutbox {
     }
 }
 
+/// The actions of an update to a value; `None` if it has none.
+fn actions_of<'c>(
+    cases: &'c [(Value, Vec<BoundAction>)],
+    value: &Value,
+) -> Option<&'c [BoundAction]> {
+    let (_, actions) = cases.iter().find(|(literal, _)| literal == value)?;
+    (!actions.is_empty()).then_some(actions.as_slice())
+}
+
+/// Cancels the calls that earlier updates of the out location at position `output` made, because its actions have been chosen.
+fn cancel_calls(
+    calls: &mut Vec<PendingOutcome>,
+    output: usize,
+    actions: &[BoundAction],
+    cycle: &mut Cycle<'_>,
+) {
+    let is_of_output = |pending: &mut PendingOutcome| pending.outcome.output == output;
+    for pending in calls.extract_if(.., is_of_output) {
+        cycle.cancel(pending.call);
+        if let Some(caller) = pending.caller {
+            let fault = match actions {
+                [BoundAction::Cancel] => cancelled_fault(),
+                _ => superseded_fault(),
+            };
+            cycle.reply(caller.handle, caller.request, Err(fault));
+        }
+    }
+}
+
 /// Iterates over the outcome effects of the calls in a binding.
 fn outcomes(outputs: &mut [BoundOutput]) -> impl Iterator<Item = &mut OutcomeEffect> {
     let cases = outputs.iter_mut().flat_map(|out| match &mut out.effect {
         BoundEffect::Literals(cases) => cases.as_mut_slice(),
-        BoundEffect::Publish { .. } => &mut [],
+        BoundEffect::Publish(_) => &mut [],
     });
     cases
         .flat_map(|(_, actions)| actions)
         .filter_map(|action| match action {
             BoundAction::Call { outcome, .. } => Some(outcome),
-            BoundAction::Publish { .. } => None,
+            BoundAction::Publish { .. } | BoundAction::Cancel => None,
         })
 }
 
@@ -494,12 +539,12 @@ impl EffectHandles {
         elements: Vec<Datum>,
     ) -> Result<BoundEffect, BindError> {
         let paths = published.key.iter().map(|(_, path)| path.clone());
-        Ok(BoundEffect::Publish {
+        Ok(BoundEffect::Publish(PublishedValue {
             port: self.output(&published.port)?,
             field: published.field.clone(),
             key: paths.zip(elements).collect(),
             when: published.when,
-        })
+        }))
     }
 }
 
@@ -523,36 +568,6 @@ fn key_elements(
     };
     let selected = location.elements.iter().zip(&located.key);
     selected.map(datum).collect()
-}
-
-/// The message with a value in a field, or as a whole, and with the fields of a key.
-fn message_of(value: Datum, field: Option<&str>, key: &[(String, Datum)]) -> Datum {
-    let mut fields = Vec::new();
-    for (path, element) in key {
-        insert(&mut fields, path, element.clone());
-    }
-    match field {
-        Some(field) => insert(&mut fields, field, value),
-        None if key.is_empty() => return value,
-        None => {}
-    }
-    Datum::Record(fields)
-}
-
-/// Inserts a value at a path of names, creating the records on the way.
-fn insert(fields: &mut Vec<(FieldName, Datum)>, path: &str, value: Datum) {
-    let Some((name, rest)) = path.split_once('.') else {
-        fields.push((path.to_owned().into(), value));
-        return;
-    };
-    let known = fields.iter_mut().find(|(known, _)| known == name);
-    if let Some((_, Datum::Record(inner))) = known {
-        insert(inner, rest, value);
-        return;
-    }
-    let mut inner = Vec::new();
-    insert(&mut inner, rest, value);
-    fields.push((name.to_owned().into(), Datum::Record(inner)));
 }
 
 fn literal(
@@ -586,6 +601,30 @@ fn literal(
 
 /// The output ports that the binding refers to, and the newest messages published on them.
 type PublicationRecord<'r> = (&'r [(String, Out<Datum>)], &'r mut BTreeMap<String, Datum>);
+
+/// Publishes the message with the values that these outputs have after a step.
+fn publish_values(
+    published: &PublishedValue,
+    outputs: &[&BoundOutput],
+    written: &[WrittenPort],
+    record: PublicationRecord<'_>,
+    after: &AfterStep<'_>,
+    cycle: &mut Cycle<'_>,
+) {
+    let (state, naming) = (after.machine.state(), after.machine.naming());
+    let values = outputs.iter().filter_map(|output| {
+        let field = output.published()?.field.as_deref();
+        let slot = output.slot(after);
+        let value = slot.map_or(Datum::Null, |slot| datum_of(state.get(slot), &naming));
+        Some((field, value))
+    });
+    let values: Vec<(Option<&str>, Datum)> = values.collect();
+    // undef is null in a field of any type: a reader takes it as no value
+    let has_undef = values.iter().any(|(_, value)| value.is_null());
+    let written = if has_undef { &[] } else { written };
+    let message = message_of(values, &published.key);
+    publish(published.port, message, written, record, cycle);
+}
 
 /// Publishes a message, and records it if the binding refers to the port. A message that does not fit the type of the port is
 /// reported instead, because a reader of that type could not read it, or would read something else.

@@ -258,8 +258,8 @@ impl Coordinator {
         });
         let requests = self.partners.requests.iter();
         let state = FrozenCoordinator {
-            specification: self.specification.model.name.to_string(),
-            fingerprint: self.fingerprint.clone(),
+            specification: self.prepared.specification.model.name.to_string(),
+            fingerprint: self.prepared.fingerprint.clone(),
             machine: self.machine.snapshot().to_bytes(),
             chooser: self.chooser.clone(),
             inputs: self.inbox.inputs.iter().map(FrozenInput::of).collect(),
@@ -290,8 +290,11 @@ impl Coordinator {
     }
 
     fn restore(&mut self, frozen: FrozenCoordinator) -> Result<(), ThawProblem> {
-        if frozen.fingerprint != self.fingerprint {
-            let (was, is) = (&frozen.specification, &self.specification.model.name);
+        if frozen.fingerprint != self.prepared.fingerprint {
+            let (was, is) = (
+                &frozen.specification,
+                &self.prepared.specification.model.name,
+            );
             return Err(foreign_state(format!(
                 "it ran `{was}` with another text or binding than this coordinator of `{is}`"
             )));

@@ -20,6 +20,8 @@ mod inputs;
 mod location;
 mod misfit;
 mod partners;
+mod prepared;
+mod published_value;
 mod recorded;
 mod requests;
 mod status;
@@ -41,11 +43,12 @@ pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
 pub use location::{LocationArgument, LocationName};
 pub use partners::{BAD_REPLY_REPORT, BadReply};
+pub use prepared::PreparedSpecification;
 pub use recorded::{
     ChoiceRecord, CycleCauses, MachineBegin, MachineOrigin, RECORDED_CYCLE_REPORT, ReadLocation,
     RecordedCycle, ReplacedStep, SourceRecord,
 };
-pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate};
+pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate, function_of};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
 pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
 pub use watch::{GivenProperty, Watch};

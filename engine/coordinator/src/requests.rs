@@ -147,6 +147,14 @@ impl Requests {
     }
 }
 
+/// The fault for a request whose call the specification cancelled.
+pub(crate) fn cancelled_fault() -> ServiceFault {
+    ServiceFault::new(
+        "CANCELLED",
+        "the specification cancelled the call made for this request",
+    )
+}
+
 /// The fault for a request that was replaced by another one.
 pub(crate) fn superseded_fault() -> ServiceFault {
     ServiceFault::new(

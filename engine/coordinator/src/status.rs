@@ -5,7 +5,7 @@ use crate::inputs::{BoundInput, InputLocation};
 use crate::step::StepRecord;
 use asmotion_component::Time;
 use asmotion_datum::{Datum, DatumError};
-use asmotion_lang::ir::{DomainElements, Function, FunctionKind, Program, ValueShape};
+use asmotion_lang::ir::{DomainElements, Function, FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
 use serde::{Deserialize, Serialize};
@@ -14,13 +14,17 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Usual names of functions that contain a control state.
 pub const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
 
+/// Number of locations of a function from which only their values are counted.
+const MAX_LOCATIONS: usize = 16;
+
 /// The state of a coordinator between two steps, as observers see it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CoordinatorStatus {
     /// Number of the last step.
     pub step: u64,
-    /// Locations that rules update and whose values are literals of an enumeration: the control states.
+    /// Locations that rules update and whose values are literals of an enumeration: the control states. A function with more than
+    /// sixteen locations comes as one, with the number of locations for each value, as in `IDLE ×9998, RUN ×2`.
     pub state: BTreeMap<String, String>,
     /// The last step that wrote something; `None` before it.
     pub last_update: Option<LastUpdate>,
@@ -74,6 +78,21 @@ impl CoordinatorStatus {
         let only = || self.state.iter().next().filter(|_| self.state.len() == 1);
         let (location, value) = named.or_else(only)?;
         Some((location, value))
+    }
+
+    /// The control states in which a coordinator is: the values of the function with a usual name, or of the only function. Several
+    /// locations with the same value have one control state, as in `ARRIVED`; others are counted, as in `IDLE ×2, RUN ×1`.
+    pub fn control_states(&self) -> Option<String> {
+        let names: BTreeSet<&str> = self.state.keys().map(|it| function_of(it)).collect();
+        let usual = CONTROL_STATES.iter().find(|it| names.contains(**it));
+        let name = match (usual, names.len()) {
+            (Some(usual), _) => usual,
+            (None, 1) => names.first()?,
+            (None, _) => return None,
+        };
+        let locations = self.state.iter();
+        let of_function = locations.filter(|(location, _)| function_of(location) == *name);
+        Some(counted(of_function.map(|(_, value)| value.clone())))
     }
 
     /// Reads the entries of a component's description; `None` if the component is no coordinator.
@@ -133,15 +152,26 @@ impl Coordinator {
     fn control_states(&self) -> BTreeMap<String, String> {
         let (state, program) = (self.machine.state(), self.machine.program());
         let locations = state.locations(program).into_iter();
-        let control = locations.filter(|(function, arguments, _)| {
-            let function = program.functions.get(function.0 as usize);
-            arguments.is_empty() && function.is_some_and(|it| is_control(it, program))
+        let mut shown: BTreeMap<FunctionId, Vec<(String, String)>> = BTreeMap::new();
+        for (function, arguments, slot) in locations {
+            let declared = program.functions.get(function.0 as usize);
+            if declared.is_some_and(|it| is_control(it, program)) {
+                let location = simulate::applied(&self.machine, function, &arguments);
+                let all = shown.entry(function).or_default();
+                all.push((location, self.show(state.get(slot))));
+            }
+        }
+        let limited = shown.into_values().flat_map(|all| {
+            if all.len() <= MAX_LOCATIONS {
+                return all;
+            }
+            let name = all
+                .first()
+                .map(|(location, _)| function_of(location).to_owned());
+            let counts = counted(all.into_iter().map(|(_, value)| value));
+            name.map(|name| (name, counts)).into_iter().collect()
         });
-        let shown = control.map(|(function, arguments, slot)| {
-            let location = simulate::applied(&self.machine, function, &arguments);
-            (location, self.show(state.get(slot)))
-        });
-        shown.collect()
+        limited.collect()
     }
 
     fn last_inputs(&self) -> BTreeMap<String, String> {
@@ -180,6 +210,28 @@ impl Coordinator {
 }
 
 /// Returns whether rules update the function and its values are literals of an enumeration.
+/// The function of a location: `mode` of `mode(r1)`.
+pub fn function_of(location: &str) -> &str {
+    location.split_once('(').map_or(location, |(name, _)| name)
+}
+
+/// The value that all locations have, or the number of locations for each value, the most frequent first.
+fn counted(values: impl Iterator<Item = String>) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for value in values {
+        *counts.entry(value).or_default() += 1;
+    }
+    let mut counts: Vec<(String, usize)> = counts.into_iter().collect();
+    if let [(only, _)] = counts.as_slice() {
+        return only.clone();
+    }
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let counts = counts
+        .iter()
+        .map(|(value, count)| format!("{value} ×{count}"));
+    counts.collect::<Vec<_>>().join(", ")
+}
+
 fn is_control(function: &Function, program: &Program) -> bool {
     let is_written = matches!(
         function.kind,

@@ -38,7 +38,7 @@ impl Coordinator {
             let origin = replacement(&self.machine, &self.frame, now);
             let agents = predecessor.partners.agents();
             let before = RecordedMachine {
-                specification: &predecessor.specification,
+                specification: &predecessor.prepared.specification,
                 machine: &predecessor.machine,
                 agents: &agents,
                 watch: &predecessor.watcher.watch,
@@ -93,7 +93,7 @@ impl Coordinator {
 
     /// Explains an invariant that does not hold in the state. No step has broken it.
     fn unfit_invariant(&self, fault: &StepFault) -> Fault {
-        let mut finding = self.specification.explain_in(fault, &self.machine);
+        let mut finding = self.prepared.specification.explain_in(fault, &self.machine);
         let (step, when) = (fault.step, format!(" in step {}", fault.step));
         if let Some(broken) = finding.message.strip_suffix(&when) {
             finding.message =
@@ -119,7 +119,10 @@ impl Coordinator {
         let (mut notes, mut kept) = (Vec::new(), BTreeSet::new());
         self.inbox.losses = predecessor.inbox.losses;
         self.inbox.dropped_elsewhere = predecessor.inbox.dropped_elsewhere;
-        let (new, old) = (&self.binding.monitored, &predecessor.binding.monitored);
+        let (new, old) = (
+            &self.prepared.binding.monitored,
+            &predecessor.prepared.binding.monitored,
+        );
         for (position, input) in self.inbox.inputs.iter_mut().enumerate() {
             let binding = new.get(position);
             let mut known = predecessor.inbox.inputs.iter().enumerate();
@@ -231,7 +234,7 @@ impl Coordinator {
             ))
         });
         let after = self.outbox.locations();
-        self.binding.out == predecessor.binding.out
+        self.prepared.binding.out == predecessor.prepared.binding.out
             && before.eq(after.map(|(function, arguments)| Some((function, arguments.to_vec()))))
     }
 

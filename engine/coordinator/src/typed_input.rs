@@ -14,8 +14,8 @@ pub(crate) struct TypedInput {
 }
 
 impl TypedInput {
-    /// The message with the initial values of the fields that its writer omits, as typed readers see it. Without this, a
-    /// location bound to an omitted field would keep the value of an earlier message.
+    /// The message with the initial values of the fields that its writer omits, and with floats in place of their texts in JSON,
+    /// as typed readers see it. Without this, a location bound to an omitted field would keep the value of an earlier message.
     ///
     /// A message that does not fit the type is returned as it is.
     pub fn completed<'message>(&self, message: &'message Datum) -> Cow<'message, Datum> {

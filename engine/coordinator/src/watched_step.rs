@@ -183,7 +183,7 @@ impl Coordinator {
     pub(crate) fn watched_step(&mut self, now: Time) -> WatchedStep {
         let changed = self.frame.take_changed();
         let subject = StepSubject {
-            specification: &self.specification,
+            specification: &self.prepared.specification,
             machine: &mut self.machine,
             inputs: &mut self.frame,
             chooser: &mut self.chooser,

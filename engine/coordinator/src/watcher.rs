@@ -11,6 +11,7 @@ use asmotion_verify::{Monitors, PropertyKind, PropertyViolation};
 use std::collections::BTreeSet;
 
 /// Watches the properties of a specification.
+#[derive(Clone)]
 pub struct Watcher {
     pub(crate) watch: Watch,
     pub(crate) monitors: Monitors,
@@ -19,6 +20,7 @@ pub struct Watcher {
     pub(crate) violated_invariants: BTreeSet<usize>,
 }
 
+#[derive(Clone)]
 pub(crate) struct SafeRule {
     pub text: String,
     pub rule: AddedRule,

@@ -64,18 +64,35 @@ definitions:
 				seen := append(seen, event)
 				if event = GO and isEmpty(seen) then command := WORK endif
 			endpar
-		endif
+		else if command = WORK then
+			command := NONE
+		endif endif
 default init s0:
 	function seen = []
 	function command = NONE
 ";
 
-/// A coordinator that receives events, and calls a service that replies with a fault of the code `fault`, or never.
-fn system(activity: Activity, fault: Option<&'static str>) -> System {
+/// A coordinator that receives events, and calls a service that replies with a fault of the code `fault`, or never. `other` are
+/// the actions of its command beside the call.
+fn system(activity: Activity, fault: Option<&'static str>, other: Option<Case>) -> System {
     let mut files = MemoryFiles::new();
     files.add("worker.asm", WORKER);
     let specification = asmotion_lang::open("worker.asm", &files).unwrap();
     let named = |name: &str| Some(name.to_owned());
+    let work = Case {
+        literal: "WORK".to_owned(),
+        actions: vec![Action::Call(Call {
+            event: named("event"),
+            ok: named("DONE"),
+            failed: named("FAILED"),
+            faults: vec![("WEIGHT".to_owned(), "TOO_HEAVY".to_owned())],
+            unavailable: named("NOBODY"),
+            ..Call::new(BoundOperation {
+                service: "works".to_owned(),
+                operation: "work".to_owned(),
+            })
+        })],
+    };
     let binding = Binding {
         monitored: vec![Monitored {
             receive: Receive::All,
@@ -83,20 +100,7 @@ fn system(activity: Activity, fault: Option<&'static str>) -> System {
         }],
         out: vec![Out {
             location: "command".into(),
-            effect: Effect::Literals(vec![Case {
-                literal: "WORK".to_owned(),
-                actions: vec![Action::Call(Call {
-                    event: named("event"),
-                    ok: named("DONE"),
-                    failed: named("FAILED"),
-                    faults: vec![("WEIGHT".to_owned(), "TOO_HEAVY".to_owned())],
-                    unavailable: named("NOBODY"),
-                    ..Call::new(BoundOperation {
-                        service: "works".to_owned(),
-                        operation: "work".to_owned(),
-                    })
-                })],
-            }]),
+            effect: Effect::Literals(std::iter::once(work).chain(other).collect()),
         }],
     };
     let interfaces = Interfaces {
@@ -127,11 +131,10 @@ type Told = Arc<Mutex<Vec<(String, Datum)>>>;
 
 /// Runs the system in simulated time and collects its reports.
 fn simulate(activity: Activity) -> (Simulation, Told) {
-    simulate_with(activity, None)
+    simulate_system(system(activity, None, None))
 }
 
-fn simulate_with(activity: Activity, fault: Option<&'static str>) -> (Simulation, Told) {
-    let mut system = system(activity, fault);
+fn simulate_system(mut system: System) -> (Simulation, Told) {
     let told = Told::default();
     let teller = Arc::clone(&told);
     system.observe(move |_: Time, event: &Event<'_>| {
@@ -216,11 +219,40 @@ fn a_call_that_nobody_takes_has_a_literal_of_its_own() {
 #[test]
 fn a_fault_has_the_literal_of_its_code() {
     for (code, literal) in [("WEIGHT", "TOO_HEAVY"), ("COLOUR", "FAILED")] {
-        let (mut run, told) = simulate_with(Activity::periodic(10.ms()), Some(code));
+        let (mut run, told) =
+            simulate_system(system(Activity::periodic(10.ms()), Some(code), None));
         let now = run.now();
         tell(&mut run, now, "GO");
         run.run_for(1.s());
         assert_eq!(seen(&told), ["[GO]", &format!("[GO, {literal}]")]);
+    }
+}
+
+#[test]
+fn an_update_to_a_value_without_an_action_leaves_the_call_under_way() {
+    let no_action = || Case {
+        literal: "NONE".to_owned(),
+        actions: Vec::new(),
+    };
+    let cancels = |cancels| Case {
+        actions: vec![Action::Cancel(cancels)],
+        ..no_action()
+    };
+    let (ends, is_cancelled) = (vec!["[GO]", "[GO, FAILED]"], vec!["[GO]"]);
+    let cases = [
+        (None, &ends),
+        (Some(no_action()), &ends),
+        (Some(cancels(false)), &ends),
+        (Some(cancels(true)), &is_cancelled),
+    ];
+    for (other, wanted) in cases {
+        // `command` is WORK for one step, and the call ends at its deadline
+        let made = format!("{other:?}");
+        let (mut run, told) = simulate_system(system(Activity::periodic(10.ms()), None, other));
+        let now = run.now();
+        tell(&mut run, now, "GO");
+        run.run_for(100.s());
+        assert_eq!(seen(&told), *wanted, "{made}");
     }
 }
 

@@ -57,7 +57,7 @@ impl Codec {
     /// Decodes a datum. A codec that is not self-describing follows the schema; the others ignore it.
     ///
     /// # Errors
-    /// The bytes are malformed: cut short, followed by a rest, or nested too deeply. CDR also refuses schemas that it
+    /// The bytes are malformed: cut short, followed by a rest, nested too deeply, or a record with a repeated name. CDR also refuses schemas that it
     /// cannot carry.
     pub fn decode(self, bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
         match self {

@@ -69,6 +69,13 @@ impl DatumError {
     }
 }
 
+/// The error of a record with a repeated name.
+pub(crate) fn repeated_name(name: &str) -> DatumError {
+    DatumError::new(DatumProblem::Mismatch(format!(
+        "the field `{name}` occurs twice"
+    )))
+}
+
 impl serde::ser::Error for DatumError {
     fn custom<T: fmt::Display>(message: T) -> Self {
         Self::new(DatumProblem::Mismatch(message.to_string()))

@@ -1,7 +1,7 @@
 //! Checks data against a schema before it is converted to a type.
 
 use crate::codec::special_float;
-use crate::error::{DatumError, DatumProblem};
+use crate::error::{DatumError, DatumProblem, repeated_name};
 use crate::schema::{OutlineKey, Schema, Shape};
 use crate::value::{Datum, FieldName};
 
@@ -94,13 +94,14 @@ impl Schema {
         }
     }
 
-    /// Returns whether no field is omitted in a datum that [fits](Self::accepts) the schema.
+    /// Returns whether no field is omitted, and no float is a text, in a datum that [fits](Self::accepts) the schema.
     pub fn is_complete(&self, datum: &Datum) -> bool {
         match (&self.shape, datum) {
+            (Shape::F32 | Shape::F64, Datum::Text(_)) => false,
             (Shape::Option(_), Datum::Null) => true,
             (Shape::Option(some), datum) => some.is_complete(datum),
             (Shape::List(element) | Shape::Array(element, _), Datum::List(elements)) => {
-                !element.has_fields() || elements.iter().all(|it| element.is_complete(it))
+                !element.may_be_incomplete() || elements.iter().all(|it| element.is_complete(it))
             }
             (Shape::Record(fields), Datum::Record(entries)) => fields.iter().all(|field| {
                 let mut entries = entries.iter();
@@ -111,12 +112,12 @@ impl Schema {
         }
     }
 
-    /// Returns whether data of this shape contain records.
-    fn has_fields(&self) -> bool {
+    /// Returns whether data of this shape contain records or floats.
+    fn may_be_incomplete(&self) -> bool {
         match &self.shape {
-            Shape::Record(_) => true,
+            Shape::Record(_) | Shape::F32 | Shape::F64 => true,
             Shape::Option(inner) | Shape::List(inner) | Shape::Array(inner, _) => {
-                inner.has_fields()
+                inner.may_be_incomplete()
             }
             Shape::Any
             | Shape::Bool
@@ -128,8 +129,6 @@ impl Schema {
             | Shape::U16
             | Shape::U32
             | Shape::U64
-            | Shape::F32
-            | Shape::F64
             | Shape::Text => false,
         }
     }
@@ -157,7 +156,7 @@ impl Schema {
                     let complete = fields[index].schema.complete(value);
                     found[index] = Some(complete.map_err(|error| error.within(&name))?);
                 }
-                Some(_) => return Err(mismatch(format!("the field `{name}` occurs twice"))),
+                Some(_) => return Err(repeated_name(&name)),
                 // the error that lists the known fields
                 None => self.field(fields, &name, &value)?,
             }

@@ -1,6 +1,7 @@
 //! The datum: a value that includes its own structure.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -154,6 +155,24 @@ impl Datum {
             Self::Record(_) => "a record",
         }
     }
+}
+
+/// Number of entries up to which each name is compared with all others.
+const FEW: usize = 16;
+
+/// Returns a name that occurs twice.
+pub(crate) fn repeated(entries: &[(FieldName, Datum)]) -> Option<&str> {
+    if entries.len() <= FEW {
+        let mut named = entries.iter().enumerate();
+        let repeated = named.find(|(index, (name, _))| {
+            let mut before = entries.iter().take(*index);
+            before.any(|(other, _)| other == name)
+        });
+        return repeated.map(|(_, (name, _))| &**name);
+    }
+    let mut known = BTreeSet::new();
+    let mut names = entries.iter().map(|(name, _)| &**name);
+    names.find(|name| !known.insert(*name))
 }
 
 impl From<bool> for Datum {

@@ -43,7 +43,8 @@ fn nested(leaf: impl Strategy<Value = Datum> + 'static) -> impl Strategy<Value =
     leaf.prop_recursive(4, 64, 8, |inner| {
         prop_oneof![
             prop::collection::vec(inner.clone(), 0..8).prop_map(Datum::List),
-            prop::collection::vec(("[a-z]{1,8}", inner), 0..8).prop_map(Datum::record),
+            // names in any order, each once
+            prop::collection::hash_map("[a-z]{1,8}", inner, 0..8).prop_map(Datum::record),
         ]
     })
 }

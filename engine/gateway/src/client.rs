@@ -10,8 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_bus::{
-    BusError, CallFailure, DeliveryReceipt, IncomingCall, Notifier, Payload, PendingCall, Request,
-    ServiceClient,
+    BusError, DeliveryReceipt, IncomingCall, Notifier, Payload, PendingCall, Request, ServiceClient,
 };
 use tokio::runtime::{Builder, Handle, Runtime};
 use tokio::sync::Semaphore;
@@ -19,6 +18,7 @@ use tokio::time::sleep;
 
 use self::connection::ConnectionPool;
 use self::exchange::Exchange;
+use self::outcome::{FailedExchange, unavailable};
 use self::target::Target;
 use asmotion_http::BearerToken;
 
@@ -139,7 +139,8 @@ impl ServiceClient for HttpService {
         };
         let permit = Arc::clone(&self.calls).try_acquire_owned();
         let (Some(handle), Ok(permit)) = (&self.handle, permit) else {
-            outcome.complete(Err(CallFailure::Unavailable));
+            let reason = format!("{MAX_CALLS} calls of the service are under way");
+            outcome.complete(Err(unavailable(reason)));
             return Ok(pending);
         };
         let pool = Arc::clone(&self.pool);
@@ -164,7 +165,15 @@ enum AwaitedOutcome {
 }
 
 impl AwaitedOutcome {
-    fn complete(self, result: Result<Payload, CallFailure>) {
+    fn complete(self, result: Result<Payload, FailedExchange>) {
+        let result = result.map_err(|failed| {
+            match (failed.reason, &self) {
+                (Some(reason), Self::Reply(call)) => call.explain(reason),
+                (Some(reason), Self::Delivery(receipt)) => receipt.explain(reason),
+                (None, _) => {}
+            }
+            failed.failure
+        });
         match self {
             Self::Reply(call) => call.complete(result),
             Self::Delivery(receipt) => receipt.complete(result.map(drop)),

@@ -159,8 +159,10 @@ impl RequestHandler {
             }
         })?;
         let bytes = body.to_bytes();
+        let path = schema_at(service);
         if bytes.is_empty() {
-            return Ok(empty_argument(operation));
+            let argument = operation.request.complete(empty_argument(operation));
+            return argument.map_err(|error| Problem::Argument { error, path });
         }
         let kind = kind.as_ref().map_or("", |kind| kind.to_str().unwrap_or(""));
         let essence = kind.split(';').next().unwrap_or(kind).trim();
@@ -170,18 +172,15 @@ impl RequestHandler {
                 found: content_type,
             });
         }
-        read(&bytes, &operation.request).map_err(|error| Problem::Argument {
-            error,
-            path: schema_at(service),
-        })
+        let argument = read(&bytes, &operation.request);
+        argument.map_err(|error| Problem::Argument { error, path })
     }
 }
 
-/// Decodes JSON and checks it against the schema.
+/// Decodes JSON and converts it to the form that a typed writer would give it.
 fn read(json: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
     let argument = Codec::Json.decode(json, schema)?;
-    schema.accepts(&argument)?;
-    Ok(argument)
+    schema.complete(argument)
 }
 
 /// Path at which the schemas of a service are available.

@@ -232,6 +232,31 @@ fn an_operation_is_called_with_json_and_answers_with_json() {
     assert_eq!(said.json, json!({ "text": " 1 []", "range": 0.0 }));
 }
 
+/// A provider that does not know the type gets the argument as a typed caller would have sent it.
+#[test]
+fn an_argument_has_the_type_of_the_operation() {
+    let open = Open::new(
+        |_| {},
+        |call| {
+            let said = call.argument.to_datum().unwrap().to_string();
+            call.reply(Ok(Payload::of(Reply {
+                text: said,
+                range: 0.0,
+            })));
+        },
+    );
+    for (argument, expected) in [
+        (
+            r#"{"range": "NaN", "path": [{"x": 1}]}"#,
+            r#"{name: "", count: 1, range: NaN, path: [{x: 1.0, y: 0.0}]}"#,
+        ),
+        ("", r#"{name: "", count: 1, range: 0.0, path: []}"#),
+    ] {
+        let said = open.client().post("/services/maps/get", argument);
+        assert_eq!(said.json["text"], expected, "{argument}");
+    }
+}
+
 #[test]
 fn an_argument_that_does_not_fit_is_refused_at_its_place_before_anybody_is_asked() {
     let open = Open::new(|_| {}, |call| panic!("{call:?}"));
@@ -256,6 +281,10 @@ fn an_argument_that_does_not_fit_is_refused_at_its_place_before_anybody_is_asked
         (r#"{"range": "much"}"#, &["`range`"]),
         (r#"{"path": [{}, {"x": true}]}"#, &["`path.1.x`: expected"]),
         (r#"{"path": 1}"#, &["`path`"]),
+        (
+            r#"{"path": [{"x": 1, "x": 2}]}"#,
+            &["`path.0`: the field `x` occurs twice"],
+        ),
         (r"[1]", &["expected `test/Question`, found a list"]),
         (r#"{"name": "#, &["malformed JSON"]),
         ("\u{0}", &["malformed JSON"]),

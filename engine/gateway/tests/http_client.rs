@@ -277,14 +277,59 @@ fn a_connection_is_used_again_and_a_closed_one_is_replaced() {
     assert_eq!(peer.connections.load(Ordering::Relaxed), 2);
 }
 
+/// Calls a server that is unavailable. Returns the reason.
+#[track_caller]
+fn reason(url: &str) -> String {
+    let client = HttpClient::start(None).unwrap();
+    let service = client.service(None, None).unwrap();
+    let pending = start(&*service, url, word("office"), 20 * SECOND, false);
+    let end = loop {
+        match pending.try_take() {
+            Some(end) => break end,
+            None => std::thread::sleep(Duration::from_millis(5)),
+        }
+    };
+    assert_eq!(end.map(result), Err(CallFailure::Unavailable));
+    pending.reason().unwrap().to_owned()
+}
+
 #[test]
 fn a_server_that_is_not_there_is_unavailable_before_the_deadline() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/any", listener.local_addr().unwrap());
     drop(listener);
-    assert_eq!(call(&url, 20 * SECOND), Err(CallFailure::Unavailable));
-    let unknown = call("http://nowhere.invalid/any", 20 * SECOND);
-    assert_eq!(unknown, Err(CallFailure::Unavailable));
+    let refused = reason(&url);
+    assert!(
+        refused.starts_with("cannot connect: Connection refused"),
+        "{refused}"
+    );
+    let unknown = reason("http://nowhere.invalid/any");
+    assert!(unknown.contains("lookup"), "{unknown}");
+}
+
+#[test]
+fn a_server_that_is_unavailable_says_so_itself() {
+    let details = r#"{"code":"BUSY","detail":"calls are under way on all connections"}"#;
+    for (status, body, expected) in [
+        (
+            "503 Service Unavailable",
+            "<html>",
+            "the server answers `503 Service Unavailable`",
+        ),
+        (
+            "503 Service Unavailable",
+            details,
+            "the server answers `503 Service Unavailable`: calls are under way on all connections",
+        ),
+        (
+            "429 Too Many Requests",
+            "",
+            "the server answers `429 Too Many Requests`",
+        ),
+    ] {
+        let peer = Peer::saying(response(status, body));
+        assert_eq!(reason(&peer.url()), expected);
+    }
 }
 
 #[test]
@@ -376,6 +421,14 @@ fn a_response_is_limited_in_size_and_time() {
         }
     });
     is_refused(call(&huge.url(), 60 * SECOND), "TOO_LARGE", "longer");
+    // the announced length alone: nothing follows
+    let announced = Peer::new(|stream| {
+        request(stream);
+        let head = b"HTTP/1.1 200 OK\r\nContent-Length: 99999999999\r\n\r\n[";
+        stream.write_all(head).unwrap();
+        let _ = stream.read_to_end(&mut Vec::new());
+    });
+    is_refused(call(&announced.url(), 60 * SECOND), "TOO_LARGE", "longer");
     let slow = Peer::new(|stream| {
         request(stream);
         let mut sent = stream.write_all(b"HTTP/1.1 200 OK\r\nX: ");

@@ -1,10 +1,13 @@
 //! The fixed part of what a dashboard shows: names, topics, and the texts of the specifications.
 
+#[cfg(feature = "recording")]
+use asmotion_component::Time;
 use asmotion_coordinator::CONTROL_STATES;
 use asmotion_lang::simulate;
 use asmotion_lang::{ControlDiagram, FunctionKind, Loader, Specification};
 use asmotion_plan::{Component, Implementation, Part, Plan};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 #[cfg(feature = "recording")]
 use crate::recording_description::RecordingDescription;
@@ -27,6 +30,15 @@ pub struct SystemDescription {
     pub(crate) recording: Option<RecordingDescription>,
 }
 
+/// Initial state and control state of an added specification, for the reader of a recording.
+#[cfg(feature = "recording")]
+pub(crate) struct AddedSpecification {
+    /// The initial state, as pairs of location and value.
+    pub initial: Vec<(String, String)>,
+    /// The location of the control state; `None` without one.
+    pub control: Option<String>,
+}
+
 /// A component and its implementation.
 #[derive(Clone, Debug, Serialize)]
 struct DescribedComponent {
@@ -46,6 +58,8 @@ struct DescribedTopic {
 #[derive(Clone, Debug, Serialize)]
 struct DescribedSpecification {
     component: String,
+    /// Time from which this version runs, in seconds of the run; greater than 0 only for a later version in a recording.
+    from: f64,
     /// The files, the main one first.
     files: Vec<DescribedFile>,
     /// The control-state diagram; `None` without a control state.
@@ -54,6 +68,9 @@ struct DescribedSpecification {
     initial: Vec<(String, String)>,
     /// Names of the monitored functions, which are unknown before a step reads them.
     monitored: Vec<String>,
+    /// Names of all functions of the specification and its modules.
+    #[serde(skip)]
+    functions: BTreeSet<String>,
     /// Names of the invariants and properties, as in the text.
     properties: Vec<DescribedProperty>,
 }
@@ -120,7 +137,7 @@ impl SystemDescription {
     /// Adds a component, unless it is known.
     #[cfg(feature = "recording")]
     pub(crate) fn add_component(&mut self, name: &str) {
-        if self.components.iter().any(|it| it.name == name) {
+        if name.is_empty() || self.components.iter().any(|it| it.name == name) {
             return;
         }
         self.components.push(DescribedComponent {
@@ -129,26 +146,61 @@ impl SystemDescription {
         });
     }
 
-    /// Adds the specification of a component, whose texts the loader has. Returns its initial state.
+    /// Adds a component with its implementation, unless it is known with one.
+    #[cfg(feature = "recording")]
+    pub(crate) fn describe_component(&mut self, name: &str, implementation: &str) {
+        self.add_component(name);
+        let known = self.components.iter_mut().find(|it| it.name == name);
+        if let Some(known) = known.filter(|it| it.implementation.is_empty()) {
+            implementation.clone_into(&mut known.implementation);
+        }
+    }
+
+    /// Adds the specification that a component executes from a time on, whose texts the loader has.
     #[cfg(feature = "recording")]
     pub(crate) fn add_specification(
         &mut self,
         component: &str,
+        from: Time,
         main: &str,
         loader: &dyn Loader,
-    ) -> Vec<(String, String)> {
-        let described = match asmotion_lang::open(main, loader) {
+    ) -> AddedSpecification {
+        let mut described = match asmotion_lang::open(main, loader) {
             Ok(opened) => DescribedSpecification::opened(component, &opened, main),
             // written for another version: its text says more than nothing
             Err(_) => DescribedSpecification::of_text(component, main, loader),
         };
-        let initial = described.initial.clone();
+        described.from = from.seconds();
+        let control = described.diagram.as_ref();
+        let added = AddedSpecification {
+            initial: described.initial.clone(),
+            control: control.map(|diagram| diagram.location.clone()),
+        };
         self.specifications.push(described);
-        initial
+        added
+    }
+
+    /// The texts of the specification of a component.
+    pub(crate) fn texts(&self, component: &str) -> Vec<&str> {
+        let files = self
+            .specification(component)
+            .into_iter()
+            .flat_map(|it| &it.files);
+        files.map(|file| &*file.text).collect()
+    }
+
+    /// The names of the functions of a component's specification.
+    pub(crate) fn functions(&self, component: &str) -> Option<&BTreeSet<String>> {
+        Some(&self.specification(component)?.functions)
+    }
+
+    fn specification(&self, component: &str) -> Option<&DescribedSpecification> {
+        self.specifications
+            .iter()
+            .find(|it| it.component == component)
     }
 
     /// The control states of the specifications: component and location.
-    #[cfg(feature = "recording")]
     pub(crate) fn control_states(&self) -> Vec<(String, String)> {
         let specifications = self.specifications.iter();
         let known = specifications.filter_map(|it| {
@@ -187,6 +239,7 @@ impl DescribedSpecification {
         let text = loader.read(main).map(|text| text.to_string());
         Self {
             component: component.to_owned(),
+            from: 0.0,
             files: vec![DescribedFile {
                 name: main.rsplit('/').next().unwrap_or(main).to_owned(),
                 text: text.unwrap_or_default(),
@@ -194,19 +247,22 @@ impl DescribedSpecification {
             diagram: None,
             initial: Vec::new(),
             monitored: Vec::new(),
+            functions: BTreeSet::new(),
             properties: Vec::new(),
         }
     }
 
     fn opened(component: &str, specification: &Specification, main: &str) -> Self {
-        let functions = specification.model.own_functions();
-        let monitored = functions.filter(|(_, it)| it.kind == FunctionKind::Monitored);
+        let functions = || specification.model.own_functions();
+        let monitored = functions().filter(|(_, it)| it.kind == FunctionKind::Monitored);
         Self {
             component: component.to_owned(),
+            from: 0.0,
             files: files(specification, main),
             diagram: diagram(specification),
             initial: initial(specification),
             monitored: monitored.map(|(_, it)| it.name.to_string()).collect(),
+            functions: functions().map(|(_, it)| it.name.to_string()).collect(),
             properties: properties(specification),
         }
     }

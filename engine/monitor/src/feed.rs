@@ -3,17 +3,22 @@
 //! The writer is the thread that passes events on. It never waits for a reader: each output keeps only its newest sample, and
 //! steps and log entries are in rings, which a reader follows with a cursor of its own.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::time::Instant;
 
 use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
-use asmotion_datum::Sample;
+use asmotion_datum::{Sample, Schema};
 use asmotion_remote::Presence;
 use asmotion_runtime::{Event, Observer};
+use asmotion_viewer_encoding::ChannelSchema;
 use serde_json::json;
+use tokio::sync::watch;
 
+use crate::bus_link::BusLink;
+use crate::catalogue::SystemDescription;
 use crate::log_entry;
 use crate::output_slot::{OutputSlot, OutputSummary};
 use crate::ring::Ring;
@@ -34,9 +39,15 @@ pub struct Feed(Arc<FeedParts>);
 
 struct FeedParts {
     began: Instant,
+    /// What the system consists of, of which tabs learn when it changes.
+    system: watch::Sender<Arc<SystemDescription>>,
     /// By component, then by port: both are found without allocation.
     outputs: RwLock<HashMap<String, HashMap<String, Arc<OutputSlot>>>>,
     state: Mutex<FeedState>,
+    /// Connections to other processes.
+    links: Vec<BusLink>,
+    /// Message types of ports, as `Component.port`.
+    types: Mutex<BTreeMap<String, Schema>>,
 }
 
 /// The part of a feed that is read and written as a whole, under one lock.
@@ -73,30 +84,31 @@ pub(crate) struct NewestPresence {
 
 impl Default for Feed {
     fn default() -> Self {
-        Self::new(Vec::new())
+        Self::new(SystemDescription::default(), Vec::new())
     }
 }
 
 impl Feed {
-    /// Creates a feed. `initial` are the initial states of specifications: components, with pairs of location and value.
-    pub(crate) fn new(initial: Vec<(String, Vec<(String, String)>)>) -> Self {
-        let initial = initial.iter().map(|(component, locations)| {
-            (component.clone(), SpecificationState::initial(locations))
-        });
+    /// Creates a feed of a system.
+    pub(crate) fn new(system: SystemDescription, links: Vec<BusLink>) -> Self {
+        let initial = initial_states(&system);
         Self(Arc::new(FeedParts {
             began: Instant::now(),
+            system: watch::Sender::new(Arc::new(system)),
             outputs: RwLock::default(),
             state: Mutex::new(FeedState {
                 time: Time::ZERO,
                 steps: Ring::new(STEPS),
                 log: Ring::new(LOG),
                 calls: Ring::new(CALLS),
-                specifications: initial.collect(),
+                specifications: initial,
                 history: BTreeMap::new(),
                 presence: None,
                 lost: 0,
                 end: None,
             }),
+            links,
+            types: Mutex::default(),
         }))
     }
 
@@ -114,9 +126,63 @@ impl Feed {
         }));
     }
 
+    /// Follows the system to another version. Tabs begin again with it.
+    pub fn follow(&self, system: SystemDescription) {
+        let before = self.system();
+        for (component, initial) in system.initial_states() {
+            let mut state = self.state();
+            let known = state.specifications.entry(component);
+            let is_other = before.texts(known.key()) != system.texts(known.key());
+            let functions = system.functions(known.key()).filter(|_| is_other);
+            match (known, functions) {
+                (Entry::Vacant(vacant), _) => {
+                    vacant.insert(SpecificationState::initial(&initial));
+                }
+                (Entry::Occupied(mut known), Some(functions)) => {
+                    known.get_mut().replace_text(&initial, functions);
+                }
+                (Entry::Occupied(_), None) => {}
+            }
+        }
+        self.0.system.send_replace(Arc::new(system));
+    }
+
+    /// The connections to other processes.
+    pub(crate) fn links(&self) -> &[BusLink] {
+        &self.0.links
+    }
+
+    /// What the system consists of now.
+    pub(crate) fn system(&self) -> Arc<SystemDescription> {
+        Arc::clone(&self.0.system.borrow())
+    }
+
+    /// The versions of the system from now on.
+    pub(crate) fn systems(&self) -> watch::Receiver<Arc<SystemDescription>> {
+        self.0.system.subscribe()
+    }
+
+    /// Learns the message types of ports, as `Component.port`. Viewers receive samples of other ports as JSON without a schema.
+    pub fn learn(&self, types: BTreeMap<String, Schema>) {
+        self.types().extend(types);
+        for slot in self.slots() {
+            slot.forget_schema();
+        }
+    }
+
+    fn types(&self) -> MutexGuard<'_, BTreeMap<String, Schema>> {
+        self.0.types.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Ends the feed: the run has ended in this way.
     pub fn end(&self, outcome: &str) {
         self.state().end = Some(outcome.to_owned());
+    }
+
+    /// Advances to a time. Events of several threads can arrive in another order than that of their times.
+    fn reach(&self, at: Time) {
+        let mut state = self.state();
+        state.time = state.time.max(at);
     }
 
     /// Records a command of a tab.
@@ -149,17 +215,32 @@ impl Feed {
     }
 
     /// All outputs that have written, by name.
-    pub(crate) fn outputs(&self) -> Vec<OutputSummary> {
-        let now = Instant::now();
+    pub(crate) fn slots(&self) -> Vec<Arc<OutputSlot>> {
         let outputs = self
             .0
             .outputs
             .read()
             .unwrap_or_else(PoisonError::into_inner);
-        let slots = outputs.values().flat_map(HashMap::values);
-        let mut all: Vec<OutputSummary> = slots.filter_map(|slot| slot.summary(now)).collect();
-        all.sort_by(|one, other| one.name.cmp(&other.name));
-        all
+        let mut slots: Vec<_> = outputs
+            .values()
+            .flat_map(HashMap::values)
+            .cloned()
+            .collect();
+        slots.sort_by(|one, other| one.name.cmp(&other.name));
+        slots
+    }
+
+    /// The type of the samples of an output for viewers; `None` before the first sample.
+    pub(crate) fn schema_of(&self, slot: &OutputSlot) -> Option<Arc<ChannelSchema>> {
+        let schema = self.types().get(&*slot.name).cloned();
+        slot.schema(|kind| ChannelSchema::of_messages(kind, schema.as_ref()))
+    }
+
+    /// Summaries of all outputs that have written, by name.
+    pub(crate) fn outputs(&self) -> Vec<OutputSummary> {
+        let now = Instant::now();
+        let slots = self.slots();
+        slots.iter().filter_map(|slot| slot.summary(now)).collect()
     }
 
     fn publish(
@@ -199,6 +280,14 @@ impl Feed {
     }
 }
 
+/// The initial states of the specifications of a system, by component.
+fn initial_states(system: &SystemDescription) -> BTreeMap<String, SpecificationState> {
+    let initial = system.initial_states().into_iter();
+    initial
+        .map(|(component, locations)| (component, SpecificationState::initial(&locations)))
+        .collect()
+}
+
 impl Observer for Feed {
     fn observe(&mut self, at: Time, event: &Event<'_>) {
         match event {
@@ -210,7 +299,7 @@ impl Observer for Feed {
                 ..
             } => {
                 self.publish(at, (component, port), *topic, *sample);
-                self.state().time = at;
+                self.reach(at);
                 return;
             }
             Event::Report {
@@ -221,13 +310,15 @@ impl Observer for Feed {
                 if let Ok(record) = data.to::<StepRecord>() {
                     let step = json!({ "t": at.seconds(), "component": component, "step": record });
                     let mut state = self.state();
-                    state.time = at;
+                    state.time = state.time.max(at);
+                    let known = state.specifications.entry((*component).to_owned());
+                    if !known.or_default().step(at, &record) {
+                        return;
+                    }
                     let step: Arc<str> = step.to_string().into();
                     state.steps.push(Arc::clone(&step));
                     let history = state.history.entry((*component).to_owned());
                     history.or_insert_with(|| Ring::new(HISTORY)).push(step);
-                    let known = state.specifications.entry((*component).to_owned());
-                    known.or_default().step(at, &record);
                 }
                 return;
             }
@@ -253,7 +344,7 @@ impl Observer for Feed {
         }
         let entry = log_entry::of(at, event);
         let mut state = self.state();
-        state.time = at;
+        state.time = state.time.max(at);
         if let Event::Lost { count } = event {
             state.lost += count;
         }

@@ -46,6 +46,7 @@ impl FrameWriter {
         self.samples(subscriptions, feed, &mut parts);
         self.rings(subscriptions, feed, &mut parts);
         self.outputs(subscriptions, feed, now, &mut parts);
+        let links = broken_links(feed, now);
         let is_due = |last: Instant| now.duration_since(last) >= HEARTBEAT;
         if parts.is_empty() && !self.last.is_none_or(is_due) {
             return None;
@@ -65,7 +66,7 @@ impl FrameWriter {
         let end = end.map_or_else(|| "null".to_owned(), |end| quoted(&end));
         let (seq, t, wall) = (self.seq, time.seconds(), feed.milliseconds(now));
         Some(format!(
-            "{{\"type\":\"frame\",\"seq\":{seq},\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"control\":{control},\"end\":{end}{parts}}}"
+            "{{\"type\":\"frame\",\"seq\":{seq},\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"control\":{control},\"end\":{end}{links}{parts}}}"
         ))
     }
 
@@ -160,6 +161,20 @@ impl FrameWriter {
         }
         self.last_summary = Some(now);
         append(parts, format_args!(",\"outputs\":{}", outputs_json(feed)));
+    }
+}
+
+/// The member of a frame with the connections over which nothing is sent; empty if there are none.
+fn broken_links(feed: &Feed, now: Instant) -> String {
+    let links = feed.links().iter().map(|it| it.summary(now));
+    let broken: Vec<String> = links
+        .filter(|it| !it.is_up())
+        .map(|it| it.json().to_string())
+        .collect();
+    if broken.is_empty() {
+        String::new()
+    } else {
+        format!(",\"links\":[{}]", broken.join(","))
     }
 }
 

@@ -3,7 +3,8 @@
 //! Listening on a loopback interface is no protection against web pages: every browser on this machine reaches it, for any page
 //! that is open in it. Two checks keep other pages out. The `Host` must be one that no page can redirect (DNS rebinding), and a
 //! page that sends an `Origin`, as it does with every WebSocket, must come from this very server. Port and name of both must be
-//! equal, so that neither another server on this machine qualifies, nor does a tunnel (`ssh -L`) with another port fail.
+//! equal, so that neither another server on this machine qualifies, nor does a tunnel (`ssh -L`) with another port fail. Only the
+//! protocol of Foxglove, which changes nothing, is also open to pages of other origins that the user allows.
 
 use asmotion_http::{HttpResponse, host_of, is_host_allowed};
 use http_body_util::Full;
@@ -27,11 +28,16 @@ const HEADERS: &[(&str, &str)] = &[
     ("cache-control", "no-store"),
 ];
 
-/// Checks that a request addresses this server, and that it does not come from another page.
+/// Checks that a request addresses this server, and that it does not come from another page, except from one of an allowed
+/// origin.
 ///
 /// # Errors
 /// Status and text of the refusal.
-pub(crate) fn check(uri: &Uri, headers: &HeaderMap) -> Result<(), (StatusCode, String)> {
+pub(crate) fn check(
+    uri: &Uri,
+    headers: &HeaderMap,
+    allowed: &[String],
+) -> Result<(), (StatusCode, String)> {
     let host = host_of(uri, headers).unwrap_or_default();
     if !is_host_allowed(&host, &[]) {
         let text =
@@ -45,11 +51,13 @@ pub(crate) fn check(uri: &Uri, headers: &HeaderMap) -> Result<(), (StatusCode, S
         .get(HOST)
         .and_then(|host| host.to_str().ok())
         .map(|host| format!("http://{host}"));
-    let is_own = own.is_some_and(|own| origin.as_bytes().eq_ignore_ascii_case(own.as_bytes()));
-    if is_own {
+    let mut accepted = allowed.iter().map(String::as_str).chain(own.as_deref());
+    if accepted.any(|it| origin.as_bytes().eq_ignore_ascii_case(it.as_bytes())) {
         return Ok(());
     }
-    let text = "pages of other servers cannot use this dashboard".to_owned();
+    let text = "pages of other servers cannot use this dashboard: `--allow-origin` admits viewers such as Foxglove to \
+                `/foxglove`"
+        .to_owned();
     Err((StatusCode::FORBIDDEN, text))
 }
 
@@ -74,12 +82,16 @@ mod tests {
     use super::*;
 
     fn status(host: &str, origin: Option<&str>) -> u16 {
+        allowing(&[], host, origin)
+    }
+
+    fn allowing(allowed: &[String], host: &str, origin: Option<&str>) -> u16 {
         let mut headers = HeaderMap::new();
         headers.insert(HOST, HeaderValue::from_str(host).unwrap());
         if let Some(origin) = origin {
             headers.insert(ORIGIN, HeaderValue::from_str(origin).unwrap());
         }
-        check(&Uri::from_static("/live"), &headers)
+        check(&Uri::from_static("/live"), &headers, allowed)
             .map_or_else(|(status, _)| status.as_u16(), |()| 200)
     }
 
@@ -101,5 +113,27 @@ mod tests {
         assert_eq!(status("127.0.0.1:7070", Some("http://127.0.0.1:3000")), 403);
         assert_eq!(status("127.0.0.1:7070", Some("http://localhost:7070")), 403);
         assert_eq!(status("127.0.0.1:7070", Some("null")), 403);
+    }
+
+    #[test]
+    fn a_page_of_an_allowed_origin_is_answered_under_an_own_name() {
+        let allowed = ["https://app.foxglove.dev".to_owned(), "file://".to_owned()];
+        for (host, origin, expected) in [
+            ("localhost:7070", "https://app.foxglove.dev", 200),
+            ("localhost:7070", "https://APP.foxglove.dev", 200),
+            ("localhost:7070", "file://", 200),
+            ("localhost:7070", "http://localhost:7070", 200),
+            ("localhost:7070", "http://app.foxglove.dev", 403),
+            ("localhost:7070", "https://app.foxglove.dev:444", 403),
+            (
+                "localhost:7070",
+                "https://app.foxglove.dev.evil.example",
+                403,
+            ),
+            ("localhost:7070", "null", 403),
+            ("evil.example", "https://app.foxglove.dev", 421),
+        ] {
+            assert_eq!(allowing(&allowed, host, Some(origin)), expected, "{origin}");
+        }
     }
 }

@@ -6,20 +6,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asmotion_http::{ConnectionPlace, HttpHandler, HttpRequest, HttpResponse};
 use hyper::header::{
-    CONNECTION, HeaderValue, SEC_WEBSOCKET_ACCEPT, SEC_WEBSOCKET_KEY, SEC_WEBSOCKET_VERSION,
-    UPGRADE,
+    CONNECTION, HeaderValue, SEC_WEBSOCKET_ACCEPT, SEC_WEBSOCKET_KEY, SEC_WEBSOCKET_PROTOCOL,
+    SEC_WEBSOCKET_VERSION, UPGRADE,
 };
+use hyper::upgrade::Upgraded;
 use hyper::{Method, StatusCode};
 use tokio::sync::watch;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 
-use crate::catalogue::SystemDescription;
 use crate::desk::Desk;
 use crate::feed::Feed;
+use crate::foxglove::FoxgloveSession;
+use crate::metrics::ConnectionFigures;
 use crate::past::Past;
 use crate::session::Session;
 use crate::settings::DashboardSettings;
-use crate::{assets, frame, guard, metrics};
+use crate::{assets, foxglove, frame, guard, metrics};
 
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain; charset=utf-8";
@@ -27,10 +29,16 @@ const TEXT: &str = "text/plain; charset=utf-8";
 /// Handles the requests of all connections.
 pub(crate) struct DashboardHandler {
     pub settings: DashboardSettings,
-    pub description: Arc<SystemDescription>,
     pub feed: Feed,
     pub desk: Arc<Desk>,
-    pub sessions: Arc<SessionTable>,
+    /// The open tabs.
+    pub sessions: SessionTable,
+    /// The connected viewers.
+    pub viewers: SessionTable,
+    /// Number of messages that viewers could not follow.
+    pub skipped: Arc<AtomicU64>,
+    /// Name of the run for viewers.
+    pub run: Arc<str>,
     /// The run, if it is over and was recorded.
     pub past: Option<Arc<dyn Past>>,
 }
@@ -64,12 +72,21 @@ impl HttpHandler for DashboardHandler {
         from: SocketAddr,
         place: &Arc<ConnectionPlace>,
     ) -> HttpResponse {
-        if let Err((status, text)) = guard::check(request.uri(), request.headers()) {
+        let is_viewer = foxglove::is_addressed(request.uri(), request.headers());
+        let allowed: &[String] = if is_viewer {
+            &self.settings.allowed_origins
+        } else {
+            &[]
+        };
+        if let Err((status, text)) = guard::check(request.uri(), request.headers(), allowed) {
             return guard::response(status, TEXT, text + "\n");
         }
         let path = request.uri().path().to_owned();
         if path == "/live" {
-            return self.upgrade(request, from, place);
+            return self.tab(request, from, place);
+        }
+        if is_viewer {
+            return self.viewer(request, place);
         }
         if request.method() != Method::GET && request.method() != Method::HEAD {
             return guard::response(StatusCode::METHOD_NOT_ALLOWED, TEXT, "use `GET`\n");
@@ -83,8 +100,11 @@ impl HttpHandler for DashboardHandler {
     }
 
     async fn close(&self) {
-        self.sessions.closing.send_replace(true);
+        for table in [&self.sessions, &self.viewers] {
+            table.closing.send_replace(true);
+        }
         self.sessions.closing.closed().await;
+        self.viewers.closing.closed().await;
     }
 }
 
@@ -98,10 +118,10 @@ impl DashboardHandler {
         }
         match path {
             "/metrics" => {
-                let text = metrics::text(&self.feed, self.sessions.count());
+                let text = metrics::text(&self.feed, &self.connections());
                 guard::response(StatusCode::OK, metrics::CONTENT_TYPE, text)
             }
-            "/api/system" => json(serde_json::to_string(&*self.description).unwrap_or_default()),
+            "/api/system" => json(serde_json::to_string(&*self.feed.system()).unwrap_or_default()),
             "/api/outputs" => json(frame::outputs_json(&self.feed)),
             "/api/components" => {
                 let presence = self.feed.state().presence.clone();
@@ -127,57 +147,103 @@ impl DashboardHandler {
         }
     }
 
-    /// Opens a WebSocket.
-    fn upgrade(
+    fn connections(&self) -> ConnectionFigures {
+        ConnectionFigures {
+            tabs: self.sessions.count(),
+            viewers: self.viewers.count(),
+            skipped: self.skipped.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Opens the WebSocket of a tab.
+    fn tab(
         &self,
-        mut request: HttpRequest,
+        request: HttpRequest,
         from: SocketAddr,
         place: &Arc<ConnectionPlace>,
     ) -> HttpResponse {
-        let headers = request.headers();
-        let is = |name, value: &str| {
-            headers
-                .get(name)
-                .is_some_and(|it| it.as_bytes().eq_ignore_ascii_case(value.as_bytes()))
-        };
-        let key = headers.get(SEC_WEBSOCKET_KEY).cloned();
-        let (true, true, Some(key)) = (
-            is(UPGRADE, "websocket"),
-            is(SEC_WEBSOCKET_VERSION, "13"),
-            key,
-        ) else {
-            let text = "a WebSocket of version 13 is expected here\n";
-            return guard::response(StatusCode::UPGRADE_REQUIRED, TEXT, text);
-        };
         let session = Session {
             client: self.sessions.next.fetch_add(1, Ordering::Relaxed),
             name: from.to_string(),
             settings: self.settings.clone(),
-            description: Arc::clone(&self.description),
             feed: self.feed.clone(),
             desk: Arc::clone(&self.desk),
             past: self.past.clone(),
-            closing: self.sessions.closing.subscribe(),
         };
-        let place = Arc::clone(place);
-        let upgraded = hyper::upgrade::on(&mut request);
-        tokio::spawn(async move {
-            // keeps its place, and is not idle, as long as it is open
-            let _open = place.begin_call();
-            if let Ok(upgraded) = upgraded.await {
-                session.run(upgraded).await;
-            }
-        });
-        let mut response = guard::response(StatusCode::SWITCHING_PROTOCOLS, TEXT, "");
-        let accept = HeaderValue::try_from(derive_accept_key(key.as_bytes()));
-        let headers = response.headers_mut();
-        headers.insert(CONNECTION, HeaderValue::from_static("Upgrade"));
-        headers.insert(UPGRADE, HeaderValue::from_static("websocket"));
-        if let Ok(accept) = accept {
-            headers.insert(SEC_WEBSOCKET_ACCEPT, accept);
-        }
-        response
+        let closing = self.sessions.closing.subscribe();
+        upgrade(request, place, None, |upgraded| {
+            session.run(upgraded, closing)
+        })
     }
+
+    /// Opens the WebSocket of a viewer.
+    fn viewer(&self, request: HttpRequest, place: &Arc<ConnectionPlace>) -> HttpResponse {
+        if self.past.is_some() {
+            return not_found(
+                "a recording has no present: open its file in Foxglove or Lichtblick\n",
+            );
+        }
+        let Some(protocol) = foxglove::protocol(request.headers()) else {
+            let known = foxglove::PROTOCOLS.join("` or `");
+            let text = format!("a WebSocket with the subprotocol `{known}` is expected here\n");
+            return guard::response(StatusCode::BAD_REQUEST, TEXT, text);
+        };
+        let session = FoxgloveSession {
+            settings: self.settings.clone(),
+            feed: self.feed.clone(),
+            run: Arc::clone(&self.run),
+            skipped: Arc::clone(&self.skipped),
+        };
+        let closing = self.viewers.closing.subscribe();
+        upgrade(request, place, Some(protocol), |upgraded| {
+            session.run(upgraded, closing)
+        })
+    }
+}
+
+/// Opens a WebSocket, which is served until it closes. `protocol` is the selected subprotocol.
+fn upgrade<S: Future<Output = ()> + Send>(
+    mut request: HttpRequest,
+    place: &Arc<ConnectionPlace>,
+    protocol: Option<&'static str>,
+    serve: impl FnOnce(Upgraded) -> S + Send + 'static,
+) -> HttpResponse {
+    let headers = request.headers();
+    let is = |name, value: &str| {
+        headers
+            .get(name)
+            .is_some_and(|it| it.as_bytes().eq_ignore_ascii_case(value.as_bytes()))
+    };
+    let key = headers.get(SEC_WEBSOCKET_KEY).cloned();
+    let (true, true, Some(key)) = (
+        is(UPGRADE, "websocket"),
+        is(SEC_WEBSOCKET_VERSION, "13"),
+        key,
+    ) else {
+        let text = "a WebSocket of version 13 is expected here\n";
+        return guard::response(StatusCode::UPGRADE_REQUIRED, TEXT, text);
+    };
+    let place = Arc::clone(place);
+    let upgraded = hyper::upgrade::on(&mut request);
+    tokio::spawn(async move {
+        // keeps its place, and is not idle, as long as it is open
+        let _open = place.begin_call();
+        if let Ok(upgraded) = upgraded.await {
+            serve(upgraded).await;
+        }
+    });
+    let mut response = guard::response(StatusCode::SWITCHING_PROTOCOLS, TEXT, "");
+    let accept = HeaderValue::try_from(derive_accept_key(key.as_bytes()));
+    let headers = response.headers_mut();
+    headers.insert(CONNECTION, HeaderValue::from_static("Upgrade"));
+    headers.insert(UPGRADE, HeaderValue::from_static("websocket"));
+    if let Ok(accept) = accept {
+        headers.insert(SEC_WEBSOCKET_ACCEPT, accept);
+    }
+    if let Some(protocol) = protocol {
+        headers.insert(SEC_WEBSOCKET_PROTOCOL, HeaderValue::from_static(protocol));
+    }
+    response
 }
 
 fn not_found(text: &'static str) -> HttpResponse {

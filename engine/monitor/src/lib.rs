@@ -4,18 +4,21 @@
 //! source ── events ──→ Feed: newest samples, rings of steps and log entries, presence
 //!   │                   │ read by cursors, never waited for
 //!   │                   ├─→ /live: one WebSocket for each tab, a frame for each tick
+//!   │                   ├─→ /foxglove: one WebSocket for each viewer, in the protocol of Foxglove
 //!   │                   └─→ /metrics, /api
 //!   └── Desk ←── orders of the tab that is armed
 //! ```
 //!
-//! A [`MonitorSource`] is all that the server knows of a system: a description, a [`Feed`] and, if it can be controlled, a bus
-//! for orders. A running system writes to its feed as an [`Observer`](asmotion_runtime::Observer).
+//! A [`MonitorSource`] is all that the server knows of a system: a description, a [`Feed`], the connections to
+//! buses and, if it can be controlled, a bus for orders. A running system writes to its feed as an [`Observer`](asmotion_runtime::Observer).
 
 mod assets;
+mod bus_link;
 mod catalogue;
 mod dashboard;
 mod desk;
 mod feed;
+mod foxglove;
 mod frame;
 mod guard;
 mod handler;
@@ -32,10 +35,12 @@ mod rendering;
 mod ring;
 mod session;
 mod settings;
+mod socket;
 mod specification_state;
 mod subscriptions;
 
 pub use asmotion_http::BearerToken;
+pub use bus_link::BusLink;
 pub use catalogue::SystemDescription;
 pub use dashboard::{Dashboard, MonitorSource};
 pub use desk::OrderBus;

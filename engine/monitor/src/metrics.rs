@@ -1,9 +1,11 @@
 //! Figures of the system in the text format of Prometheus.
 
 use std::fmt::Write;
+use std::time::Instant;
 
 use asmotion_remote::{Presence, PresentComponent};
 
+use crate::bus_link::LinkSummary;
 use crate::feed::Feed;
 
 /// Type of the text.
@@ -66,7 +68,7 @@ const COMPONENT_METRICS: &[ComponentMetric] = &[
     (
         "component_dropped_messages_total",
         "counter",
-        "Messages lost on the way to the component or dropped by it.",
+        "Messages lost on the way to the component or dropped by it, and requests refused because a queue was full.",
         |it| it.dropped as f64,
     ),
     (
@@ -77,8 +79,18 @@ const COMPONENT_METRICS: &[ComponentMetric] = &[
     ),
 ];
 
-/// Writes all figures. `tabs` is the number of connected tabs.
-pub(crate) fn text(feed: &Feed, tabs: usize) -> String {
+/// Figures of the dashboard itself.
+pub(crate) struct ConnectionFigures {
+    /// Number of connected tabs.
+    pub tabs: usize,
+    /// Number of connected viewers such as Foxglove.
+    pub viewers: usize,
+    /// Number of messages that viewers could not follow.
+    pub skipped: u64,
+}
+
+/// Writes all figures.
+pub(crate) fn text(feed: &Feed, connections: &ConnectionFigures) -> String {
     let mut text = MetricText(String::new());
     let (presence, time, lost, steps) = {
         let state = feed.state();
@@ -103,7 +115,25 @@ pub(crate) fn text(feed: &Feed, tabs: usize) -> String {
         "Events that the dashboard did not observe.",
         lost as f64,
     );
-    text.single("dashboard_tabs", "gauge", "Connected tabs.", tabs as f64);
+    text.single(
+        "dashboard_tabs",
+        "gauge",
+        "Connected tabs.",
+        connections.tabs as f64,
+    );
+    text.single(
+        "dashboard_viewers",
+        "gauge",
+        "Connected viewers such as Foxglove.",
+        connections.viewers as f64,
+    );
+    text.single(
+        "dashboard_skipped_messages_total",
+        "counter",
+        "Messages that viewers did not receive, because newer ones replaced them.",
+        connections.skipped as f64,
+    );
+    text.links(feed);
     if let Some(presence) = presence {
         text.components(&presence.presence);
     }
@@ -138,6 +168,28 @@ impl MetricText {
     fn single(&mut self, name: &str, kind: &str, help: &str, value: f64) {
         self.head(name, kind, help);
         self.value(name, &[], value);
+    }
+
+    fn links(&mut self, feed: &Feed) {
+        let now = Instant::now();
+        let links: Vec<LinkSummary<'_>> = feed.links().iter().map(|it| it.summary(now)).collect();
+        self.head(
+            "link_up",
+            "gauge",
+            "1 if messages flow over the connection to a broker in both directions, otherwise 0.",
+        );
+        for link in &links {
+            let up = f64::from(u8::from(link.is_up()));
+            self.value("link_up", &[("link", link.name)], up);
+        }
+        self.head(
+            "link_state_seconds",
+            "gauge",
+            "Time since the connection to a broker was made, lost or blocked.",
+        );
+        for link in &links {
+            self.value("link_state_seconds", &[("link", link.name)], link.for_s);
+        }
     }
 
     fn components(&mut self, presence: &Presence) {

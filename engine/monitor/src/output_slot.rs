@@ -1,11 +1,13 @@
 //! The newest sample of an output, and how regularly it arrives.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_component::Time;
-use asmotion_datum::Sample;
+use asmotion_datum::{Datum, Sample};
+use asmotion_viewer_encoding::ChannelSchema;
 
 use crate::rendering;
 
@@ -17,6 +19,10 @@ const REGULAR: usize = 8;
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Mean interval in seconds of the run from which samples count as events.
 const RARE_S: f64 = 0.5;
+/// Number of recent samples that are kept for viewers.
+const RECENT: usize = 4;
+/// Age from which a sample is not recent any more.
+const RECENT_AGE: Duration = Duration::from_millis(50);
 /// Number of intervals after which a silent output is stale.
 const GAPS: u32 = 4;
 
@@ -24,16 +30,42 @@ const GAPS: u32 = 4;
 pub(crate) struct OutputSlot {
     /// Full name, `Component.port`.
     pub name: Arc<str>,
+    /// Number of viewers that receive its recent samples.
+    followers: AtomicUsize,
     state: Mutex<OutputState>,
+}
+
+/// Lets an output keep its recent samples as long as this exists.
+pub(crate) struct SlotFollower(Arc<OutputSlot>);
+
+impl SlotFollower {
+    pub(crate) fn new(slot: &Arc<OutputSlot>) -> Self {
+        slot.followers.fetch_add(1, Ordering::Relaxed);
+        Self(Arc::clone(slot))
+    }
+}
+
+impl Drop for SlotFollower {
+    fn drop(&mut self) {
+        self.0.followers.fetch_sub(1, Ordering::Relaxed);
+    }
 }
 
 #[derive(Default)]
 struct OutputState {
     count: u64,
     newest: Option<Arc<NewestSample>>,
+    /// The newest sample and those shortly before it, if there are followers: events arrive in bursts, in which the newest one
+    /// would hide the others.
+    recent: VecDeque<Arc<NewestSample>>,
     arrivals: VecDeque<(Instant, Time)>,
     topic: Option<Arc<str>>,
+    /// Type of the samples for viewers, once one has needed it.
+    schema: Option<Arc<ChannelSchema>>,
 }
+
+/// A sample as a message of a channel; `None` if it has no encoding.
+type EncodedSample = (Arc<ChannelSchema>, Option<Arc<[u8]>>);
 
 /// A sample, and its JSON once a tab has needed it: it is written once for all tabs.
 pub(crate) struct NewestSample {
@@ -45,6 +77,8 @@ pub(crate) struct NewestSample {
     pub arrived: Instant,
     sample: Arc<dyn Sample>,
     json: OnceLock<Arc<str>>,
+    /// The sample as viewers read it, once one has needed it, and the type of which it was then.
+    encoded: OnceLock<EncodedSample>,
 }
 
 /// How an output fares.
@@ -72,6 +106,23 @@ impl NewestSample {
         })
     }
 
+    /// The sample as a message of this type; `None` if it is not of the type. It is encoded once for all viewers.
+    pub(crate) fn encoded(&self, schema: &Arc<ChannelSchema>) -> Option<Arc<[u8]>> {
+        let encode = || schema.encode(&*self.sample).map(Arc::from);
+        let (of, encoded) = self.encoded.get_or_init(|| (Arc::clone(schema), encode()));
+        // a replaced component can write samples of another type
+        if **of == **schema {
+            encoded.clone()
+        } else {
+            encode()
+        }
+    }
+
+    /// The sample as data.
+    pub(crate) fn datum(&self) -> Option<Datum> {
+        self.sample.to_datum().ok()
+    }
+
     pub(crate) fn kind(&self) -> &'static str {
         self.sample.type_name()
     }
@@ -81,6 +132,7 @@ impl OutputSlot {
     pub(crate) fn new(name: String) -> Self {
         Self {
             name: name.into(),
+            followers: AtomicUsize::new(0),
             state: Mutex::default(),
         }
     }
@@ -101,19 +153,63 @@ impl OutputSlot {
         if state.topic.as_deref() != topic {
             state.topic = topic.map(Arc::from);
         }
-        state.newest = Some(Arc::new(NewestSample {
+        let newest = Arc::new(NewestSample {
             number: state.count,
             at,
             arrived,
             sample,
             json: OnceLock::new(),
-        }));
+            encoded: OnceLock::new(),
+        });
+        if self.followers.load(Ordering::Relaxed) == 0 {
+            state.recent.clear();
+        } else {
+            if state.recent.len() == RECENT {
+                state.recent.pop_front();
+            }
+            let is_recent =
+                |it: &Arc<NewestSample>| arrived.duration_since(it.arrived) < RECENT_AGE;
+            state.recent.retain(is_recent);
+            state.recent.push_back(Arc::clone(&newest));
+        }
+        state.newest = Some(newest);
+    }
+
+    /// The topic of the newest sample.
+    pub(crate) fn topic(&self) -> Option<Arc<str>> {
+        self.state().topic.clone()
+    }
+
+    /// The type of the samples for viewers, which is found by its name at the first time; `None` before the first sample.
+    pub(crate) fn schema(
+        &self,
+        find: impl FnOnce(&str) -> ChannelSchema,
+    ) -> Option<Arc<ChannelSchema>> {
+        let mut state = self.state();
+        if state.schema.is_none() {
+            let kind = state.newest.as_ref()?.kind();
+            state.schema = Some(Arc::new(find(kind)));
+        }
+        state.schema.clone()
+    }
+
+    /// Forgets the type of the samples, because the system has changed.
+    pub(crate) fn forget_schema(&self) {
+        self.state().schema = None;
     }
 
     /// The newest sample, if it is newer than this one.
     pub(crate) fn newer_than(&self, number: u64) -> Option<Arc<NewestSample>> {
         let state = self.state();
         state.newest.clone().filter(|newest| newest.number > number)
+    }
+
+    /// The recent samples that are newer than this one, at least the newest sample if it is.
+    pub(crate) fn all_newer_than(&self, number: u64) -> Vec<Arc<NewestSample>> {
+        let state = self.state();
+        let newest = state.newest.iter().filter(|_| state.recent.is_empty());
+        let newer = state.recent.iter().chain(newest);
+        newer.filter(|it| it.number > number).cloned().collect()
     }
 
     /// Returns whether its samples are events, which come less often than once in half a second of the run.
@@ -184,5 +280,27 @@ mod tests {
         let newest = slot.newer_than(0).unwrap();
         assert_eq!((newest.number, &**newest.json()), (3, "3"));
         assert!(slot.newer_than(3).is_none());
+    }
+
+    #[test]
+    fn recent_samples_are_kept_for_followers() {
+        let slot = Arc::new(OutputSlot::new("Driver.odom".to_owned()));
+        let numbers = |since| {
+            let newer = slot.all_newer_than(since).into_iter();
+            newer.map(|it| it.number).collect::<Vec<_>>()
+        };
+        let publish = || slot.publish(Time::ZERO, None, &Datum::Null);
+        (0..3).for_each(|_| publish());
+        assert_eq!(numbers(0), [3]);
+        let follower = SlotFollower::new(&slot);
+        (0..6).for_each(|_| publish());
+        assert_eq!(numbers(3), [6, 7, 8, 9]);
+        assert_eq!(numbers(8), [9]);
+        std::thread::sleep(RECENT_AGE);
+        publish();
+        assert_eq!(numbers(0), [10]);
+        drop(follower);
+        (0..2).for_each(|_| publish());
+        assert_eq!(numbers(0), [12]);
     }
 }

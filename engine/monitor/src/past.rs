@@ -25,6 +25,8 @@ pub(crate) struct MomentRequest<'a> {
     pub span: f64,
     /// Whether the tab needs the steps and log entries around it.
     pub window: bool,
+    /// Whether the tab needs the components.
+    pub components: bool,
     /// Outputs whose samples the tab shows.
     pub outputs: Vec<&'a str>,
     /// Numbers of the samples that the tab has.

@@ -3,6 +3,8 @@
 //! A tab shows one moment: the newest samples up to then, and a window of steps and entries around it. The window has as much as a
 //! tab can show, whatever the length of the run; the tab asks for the next one before it comes to its end.
 
+mod components;
+mod composition;
 mod entry;
 mod file;
 mod moment;
@@ -14,6 +16,7 @@ use asmotion_component::Time;
 use asmotion_coordinator::StepRecord;
 use asmotion_recording::MessageData;
 
+use self::components::RecordedComponents;
 use crate::catalogue::SystemDescription;
 use crate::specification_state::SpecificationState;
 
@@ -42,8 +45,7 @@ pub(crate) struct RunMoments {
     /// Log entries of calls and replies, which can be many.
     calls: Vec<RecordedEntry>,
     outputs: BTreeMap<String, RecordedOutput>,
-    /// Names, types and rates of the outputs, as JSON.
-    outputs_json: String,
+    components: RecordedComponents,
     end: Time,
 }
 
@@ -63,12 +65,22 @@ struct RecordedOutput {
 /// The steps of a specification.
 struct RecordedSteps {
     steps: Vec<(Time, StepRecord)>,
-    /// States in which a machine began, by the index of its first step.
-    begins: BTreeMap<usize, Vec<(String, String)>>,
+    /// Machines that began, by the index of their first step.
+    begins: BTreeMap<usize, RecordedBegin>,
     /// The state before each step whose index is a multiple of [`STATE_EVERY`].
     states: Vec<SpecificationState>,
     /// The state after the last step.
     last: SpecificationState,
+}
+
+/// A machine that began.
+struct RecordedBegin {
+    /// Its state before its first step, as pairs of location and value.
+    state: Vec<(String, String)>,
+    /// Index of its specification among the versions that ran, oldest first.
+    version: usize,
+    /// Whether the machine continues in the state of its predecessor.
+    continues: bool,
 }
 
 impl RecordedSteps {
@@ -81,8 +93,8 @@ impl RecordedSteps {
         }
     }
 
-    /// Adds a step. `begin` is the state in which a machine begins with it.
-    fn push(&mut self, at: Time, record: StepRecord, begin: Option<Vec<(String, String)>>) {
+    /// Adds a step. `begin` is the machine that begins with it.
+    fn push(&mut self, at: Time, record: StepRecord, begin: Option<RecordedBegin>) {
         let index = self.steps.len();
         if index.is_multiple_of(STATE_EVERY) {
             self.states.push(self.last.clone());
@@ -98,7 +110,15 @@ impl RecordedSteps {
 
     fn apply(&self, state: &mut SpecificationState, index: usize, at: Time, record: &StepRecord) {
         if let Some(begin) = self.begins.get(&index) {
-            state.begin_again(begin);
+            if begin.continues {
+                state.continue_with(&begin.state);
+            } else {
+                state.begin_again(&begin.state);
+            }
+            let before = self.begins.range(..index).next_back();
+            if before.is_some_and(|(_, before)| before.version != begin.version) {
+                state.forget_places();
+            }
         }
         state.step(at, record);
     }
@@ -152,7 +172,12 @@ mod tests {
         for number in 1..=600 {
             recorded.push(Time::ZERO, step(number), None);
         }
-        recorded.push(Time::ZERO, step(1), Some(initial.to_vec()));
+        let begin = |version, continues| RecordedBegin {
+            state: initial.to_vec(),
+            version,
+            continues,
+        };
+        recorded.push(Time::ZERO, step(1), Some(begin(0, false)));
         for index in [0, 1, 255, 256, 257, 511, 599, 600] {
             assert_eq!(value_of_n(&recorded.state_before(index)), index.to_string());
         }

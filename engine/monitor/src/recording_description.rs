@@ -17,6 +17,8 @@ pub(crate) struct RecordingDescription {
     pub changes: BTreeMap<String, Vec<(f64, String, String)>>,
     /// Warnings and errors: time, level and text.
     pub marks: Vec<(f64, &'static str, String)>,
+    /// Violated properties: time, component, and what is violated, in words.
+    pub violations: Vec<(f64, String, String)>,
     /// Driven paths by output: time, x, y and yaw.
     pub trails: BTreeMap<String, Vec<[f64; 4]>>,
 }

@@ -5,37 +5,28 @@
 //! that it has missed.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use asmotion_datum::Datum;
 use asmotion_remote::{Order, OrderKind};
-use futures_util::sink::SinkExt;
 use hyper::upgrade::Upgraded;
-use hyper_util::rt::TokioIo;
 use serde_json::json;
 use tokio::sync::{mpsc, watch};
-use tokio::time::{MissedTickBehavior, timeout};
-use tokio_tungstenite::WebSocketStream;
-use tokio_tungstenite::tungstenite::protocol::{
-    CloseFrame, Role, WebSocketConfig, frame::coding::CloseCode,
-};
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
 use tokio_tungstenite::tungstenite::{Error, Message};
 
-use crate::catalogue::SystemDescription;
 use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::frame::FrameWriter;
 use crate::page_request::PageRequest;
 use crate::past::{MomentRequest, Past};
 use crate::settings::DashboardSettings;
+use crate::socket::{self, ClientSocket, closed, next, refuse, send, ticks};
 use crate::subscriptions::{self, Subscriptions};
 
 /// Version of the messages.
 const VERSION: u32 = 1;
 /// Limit on frames that the tab has not acknowledged.
 const MAX_UNDER_WAY: u64 = 2;
-/// Limit on the time in which a message must leave, after which the tab is given up.
-const PATIENCE: Duration = Duration::from_secs(20);
 /// Limit on the orders of a tab that have not been carried out.
 const MAX_ORDERS: usize = 8;
 
@@ -46,16 +37,11 @@ pub(crate) struct Session {
     /// Name of the client in the log: its address.
     pub name: String,
     pub settings: DashboardSettings,
-    pub description: Arc<SystemDescription>,
     pub feed: Feed,
     pub desk: Arc<Desk>,
     /// The run, if it is over and was recorded.
     pub past: Option<Arc<dyn Past>>,
-    /// Set when the dashboard closes.
-    pub closing: watch::Receiver<bool>,
 }
-
-type PageSocket = WebSocketStream<TokioIo<Upgraded>>;
 
 /// The part of a session that changes.
 struct SessionProgress {
@@ -69,30 +55,29 @@ struct SessionProgress {
 
 impl Session {
     /// Runs the session until the tab or the dashboard closes it.
-    pub(crate) async fn run(mut self, upgraded: Upgraded) {
-        let config = WebSocketConfig::default()
-            .max_message_size(Some(self.settings.max_message))
-            .max_frame_size(Some(self.settings.max_message))
-            .read_buffer_size(16 * 1024);
-        let stream = TokioIo::new(upgraded);
-        let mut socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
-        let _ = self.serve(&mut socket).await;
+    pub(crate) async fn run(self, upgraded: Upgraded, closing: watch::Receiver<bool>) {
+        let mut socket = socket::open(upgraded, self.settings.max_message).await;
+        let _ = self.serve(&mut socket, closing).await;
         self.desk.disarm(self.client);
-        let _ = timeout(PATIENCE, socket.close(None)).await;
+        socket::end(&mut socket).await;
     }
 
     /// Serves the tab. Returns an error if the connection is broken.
-    async fn serve(&mut self, socket: &mut PageSocket) -> Result<(), Error> {
+    async fn serve(
+        &self,
+        socket: &mut ClientSocket,
+        mut closing: watch::Receiver<bool>,
+    ) -> Result<(), Error> {
         let (replies, mut replied) = mpsc::channel(MAX_ORDERS);
         let mut progress = SessionProgress {
             subscriptions: Subscriptions::default(),
             writer: FrameWriter::new(),
             acknowledged: 0,
-            ticks: ticks(2.0),
+            ticks: ticks(subscriptions::interval(2.0)),
             replies,
         };
+        let mut systems = self.feed.systems();
         send(socket, self.greeting()).await?;
-        let mut closing = self.closing.clone();
         loop {
             tokio::select! {
                 message = next(socket) => match message {
@@ -108,6 +93,11 @@ impl Session {
                     Some(Err(error)) => return Err(error),
                 },
                 Some(reply) = replied.recv() => send(socket, reply).await?,
+                Ok(()) = systems.changed() => {
+                    // the tab forgets what it knows, and subscribes again
+                    progress.subscriptions = Subscriptions::default();
+                    send(socket, self.greeting()).await?;
+                }
                 _ = progress.ticks.tick() => {
                     let under_way = progress.writer.seq - progress.acknowledged;
                     if under_way < MAX_UNDER_WAY && let Some(frame) = self.frame(&mut progress) {
@@ -124,10 +114,10 @@ impl Session {
         }
     }
 
-    /// The first message, with everything that does not change.
+    /// The first message, with everything that changes only with the system.
     fn greeting(&self) -> String {
         let greeting = json!({
-            "type": "hello", "v": VERSION, "client": self.client, "control": self.desk.is_open(), "system": &*self.description,
+            "type": "hello", "v": VERSION, "client": self.client, "control": self.desk.is_open(), "system": &*self.feed.system(),
         });
         greeting.to_string()
     }
@@ -155,7 +145,7 @@ impl Session {
         };
         match request {
             PageRequest::Subscribe { streams, max_hz } => {
-                progress.ticks = ticks(max_hz);
+                progress.ticks = ticks(subscriptions::interval(max_hz));
                 let limit = self.settings.max_subscriptions;
                 let replaced = progress.subscriptions.replace(&streams, &self.feed, limit);
                 replaced.err().map(|error| problem(None, &error))
@@ -171,6 +161,7 @@ impl Session {
                     t,
                     span,
                     window,
+                    components: progress.subscriptions.components.is_some(),
                     outputs: Vec::new(),
                     has: &has,
                 },
@@ -220,7 +211,8 @@ impl Session {
         // before the topic: a tab that controls nothing learns why, whatever it sends
         let permission = self.desk.order_bus(self.client);
         permission.map_err(|error| error.to_string())?;
-        let subscribers = self.description.subscribers(topic);
+        let system = self.feed.system();
+        let subscribers = system.subscribers(topic);
         let subscribers = subscribers.ok_or_else(|| format!("there is no topic `{topic}`"))?;
         let orders = subscribers.iter().filter_map(|input| {
             let (component, port) = input.rsplit_once('.')?;
@@ -300,38 +292,4 @@ fn described(order: &Order) -> String {
 /// A message about a request that failed, or that belongs to no request.
 fn problem(id: Option<u64>, text: &str) -> String {
     json!({ "type": "problem", "id": id, "text": text }).to_string()
-}
-
-fn ticks(max_hz: f64) -> tokio::time::Interval {
-    let mut ticks = tokio::time::interval(subscriptions::interval(max_hz));
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    ticks
-}
-
-/// Waits until the dashboard closes.
-async fn closed(closing: &mut watch::Receiver<bool>) {
-    let _ = closing.wait_for(|closing| *closing).await;
-}
-
-async fn next(socket: &mut PageSocket) -> Option<Result<Message, Error>> {
-    use futures_util::stream::StreamExt;
-    socket.next().await
-}
-
-/// Sends a message, and gives the tab up if it does not take it.
-async fn send(socket: &mut PageSocket, text: String) -> Result<(), Error> {
-    match timeout(PATIENCE, socket.send(Message::text(text))).await {
-        Ok(sent) => sent,
-        Err(_) => Err(Error::ConnectionClosed),
-    }
-}
-
-/// Closes the connection for a reason.
-async fn refuse(socket: &mut PageSocket, code: CloseCode) -> Result<(), Error> {
-    let reason = CloseFrame {
-        code,
-        reason: "".into(),
-    };
-    let closed = timeout(PATIENCE, socket.close(Some(reason))).await;
-    closed.unwrap_or(Err(Error::ConnectionClosed))
 }

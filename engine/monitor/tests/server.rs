@@ -16,7 +16,8 @@ use asmotion_bus::{Bus, LocalBus, Notifier, Payload};
 use asmotion_component::Time;
 use asmotion_datum::{Datum, Sample};
 use asmotion_monitor::{
-    BearerToken, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
+    BearerToken, BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus,
+    SystemDescription,
 };
 use asmotion_runtime::{Event, Observer};
 use serde_json::{Value, json};
@@ -41,7 +42,11 @@ impl Fixture {
             bus: Arc::new(bus.clone()),
             process: "rover".to_owned(),
         };
-        let source = MonitorSource::new(SystemDescription::default(), Some(orders));
+        let link = BusLink {
+            name: "broker \"1\"".to_owned(),
+            bus: Arc::new(bus.clone()),
+        };
+        let source = MonitorSource::new(SystemDescription::default(), Some(orders), vec![link]);
         let feed = source.feed();
         let mut settings = DashboardSettings::at(SocketAddr::from(([127, 0, 0, 1], 0)));
         change(&mut settings);
@@ -474,6 +479,46 @@ fn the_end_of_a_run_reaches_the_tab() {
 }
 
 #[test]
+fn a_new_version_of_the_system_reaches_open_tabs() {
+    let mut fixture = Fixture::open(|_| {});
+    let mut client = fixture.client();
+    client.subscribe(&["Driver.odom"]);
+    fixture.publish(1);
+    client.frame_with("samples");
+    let mut version = SystemDescription::default();
+    version.name = "second".to_owned();
+    fixture.feed.follow(version);
+    let greeting = client.reply();
+    assert_eq!(
+        (&greeting["type"], &greeting["system"]["name"]),
+        (&json!("hello"), &json!("second"))
+    );
+    // the tab subscribes again, and receives what it knew
+    client.subscribe(&["Driver.odom"]);
+    let samples = client.frame_with("samples");
+    assert_eq!(samples["samples"]["Driver.odom"]["data"], 1);
+    let (_, system) = fixture.request("/api/system", &fixture.host());
+    assert!(system.contains("\"second\""), "{system}");
+}
+
+#[test]
+fn a_port_in_use_is_an_error_unless_another_one_will_do() {
+    let first = Fixture::open(|_| {});
+    let taken = first.address();
+    let mut settings = DashboardSettings::at(taken);
+    let source = || MonitorSource::new(SystemDescription::default(), None, Vec::new());
+    let refused = Dashboard::open(settings.clone(), source()).unwrap_err();
+    assert!(
+        refused.to_string().contains(&taken.to_string()),
+        "{refused}"
+    );
+    settings.or_free_port = true;
+    let second = Dashboard::open(settings, source()).unwrap();
+    assert_eq!(second.address().ip(), taken.ip());
+    assert_ne!(second.address(), taken);
+}
+
+#[test]
 fn every_response_forbids_the_page_to_load_from_elsewhere() {
     let fixture = Fixture::open(|_| {});
     for (path, headers) in [
@@ -499,10 +544,23 @@ fn the_page_is_small_and_builds_nothing_from_text() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/page");
     let fixture = Fixture::open(|_| {});
     let mut compressed = 0;
-    for file in std::fs::read_dir(folder).unwrap() {
-        let path = file.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-        let text = std::fs::read_to_string(&path).unwrap();
+    let files = |folder: &std::path::Path| {
+        let files = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|it| it.unwrap().path());
+        // how others' files are updated is no part of the page
+        let served = files.filter(|path| path.is_file() && !path.ends_with("README.md"));
+        served.collect::<Vec<_>>()
+    };
+    let own = files(&folder);
+    for path in own.iter().chain(&files(&folder.join("vendor"))) {
+        let name = path
+            .strip_prefix(&folder)
+            .unwrap()
+            .to_str()
+            .unwrap()
+            .to_owned();
+        let text = std::fs::read_to_string(path).unwrap();
         // a file without a row in the table would be missing in the program
         let (head, body) = fixture.request(&format!("/{name}"), &fixture.host());
         assert!(head.starts_with("HTTP/1.1 200") && body == text, "{name}");
@@ -512,11 +570,13 @@ fn the_page_is_small_and_builds_nothing_from_text() {
             "insertAdjacentHTML",
             "document.write",
             "eval(",
-            "https://",
+            "new Function",
             "setAttribute(\"style",
         ] {
             assert!(!text.contains(forbidden), "{name}: {forbidden}");
         }
+        // comments of others name their sources
+        assert!(!own.contains(path) || !text.contains("https://"), "{name}");
         let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
         encoder.write_all(text.as_bytes()).unwrap();
         compressed += encoder.finish().unwrap().len();
@@ -526,10 +586,21 @@ fn the_page_is_small_and_builds_nothing_from_text() {
 }
 
 #[test]
+fn vendored_files_are_those_of_their_version() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/page/vendor");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let version = "1.6.32";
+    assert!(read("README.md").contains(version));
+    assert!(read("uPlot.esm.js").contains(&format!("(v{version})")));
+    assert!(read("LICENSE.uPlot").contains("Permission is hereby granted"));
+}
+
+#[test]
 fn figures_are_exported_for_prometheus() {
     let mut fixture = Fixture::open(|_| {});
     fixture.feed.describe(presence());
     fixture.publish(1);
+    let _tabs = [fixture.client(), fixture.client()];
     let (head, body) = fixture.request("/metrics", &fixture.host());
     assert!(head.contains("text/plain; version=0.0.4"), "{head}");
     for line in [
@@ -538,6 +609,9 @@ fn figures_are_exported_for_prometheus() {
         "asmotion_component_overruns_total{component=\"A\\\"\\\\\\n\"} 2",
         "asmotion_component_cycle_mean_seconds{component=\"A\\\"\\\\\\n\"} 0.0005",
         "asmotion_output_samples_total{component=\"Driver\",port=\"odom\"} 1",
+        "asmotion_link_up{link=\"broker \\\"1\\\"\"} 1",
+        "asmotion_dashboard_tabs 2",
+        "asmotion_dashboard_viewers 0",
         "asmotion_output_stale{component=\"Driver\",port=\"odom\"} 0",
     ] {
         assert!(body.lines().any(|it| it == line), "{line}\n{body}");

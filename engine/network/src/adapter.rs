@@ -9,18 +9,19 @@ use std::sync::Arc;
 use asmotion_bus::{Bus, BusError};
 use asmotion_port::Time;
 use asmotion_runtime::{
-    Adapter, Effects, InjectionPorts, LiveContext, System, SystemTopic, publish_without_bus,
+    Adapter, Effects, InjectionPorts, LiveContext, OuterService, System, SystemTopic,
+    publish_without_bus,
 };
 
 use crate::attachment::{Attachment, is_component_on};
 use crate::identity::BusIdentity;
-use crate::offered::OfferedOperations;
+use crate::offered::{self, OfferedOperations};
 use crate::remote::RemoteService;
 use crate::remote_ends::{OfferedService, RemoteEnds};
 
-/// Connects the remote ends of a system to its buses.
+/// Connects the remote ends of a system to its buses. Dropping it closes them.
 pub(crate) struct BusAdapter {
-    attachments: Vec<Attachment>,
+    attachments: Vec<Arc<Attachment>>,
     /// The topics of components that use no bus, until the state of the bus has been published to them once.
     internal_topics: Option<(Vec<SystemTopic>, InjectionPorts)>,
 }
@@ -37,11 +38,11 @@ impl BusAdapter {
         let names: Vec<Option<String>> = buses.iter().map(name_of).collect();
         let mut attachments = Vec::new();
         for (name, bus) in buses {
-            let identity = Arc::new(BusIdentity {
+            let identity = BusIdentity {
                 bus,
                 incarnation,
                 notifier: Arc::clone(system.notifier()),
-            });
+            };
             let attachment = Attachment::new(system, &mut remote_ends, name.as_deref(), identity)?;
             attachments.push(attachment);
         }
@@ -59,6 +60,17 @@ impl BusAdapter {
             internal_topics: Some((inside, ports)),
         })
     }
+
+    /// The ends on each bus.
+    pub(crate) fn attachments(&self) -> &[Arc<Attachment>] {
+        &self.attachments
+    }
+}
+
+impl Drop for BusAdapter {
+    fn drop(&mut self) {
+        self.attachments.iter().for_each(|it| it.close());
+    }
 }
 
 impl Adapter for BusAdapter {
@@ -72,7 +84,7 @@ impl Adapter for BusAdapter {
         if let Some((topics, mut ports)) = self.internal_topics.take() {
             publish_without_bus(&topics, &mut ports, now, effects);
         }
-        for attachment in &mut self.attachments {
+        for attachment in &self.attachments {
             attachment.deliver(now, effects);
         }
     }
@@ -93,7 +105,17 @@ impl ServingAdapter {
             incarnation: 0,
             notifier: Arc::clone(system.notifier()),
         };
-        OfferedOperations::new(system, offered.iter(), &identity).map(Self)
+        let mut operations = OfferedOperations::default();
+        for offered in offered {
+            let (declaration, queue) = system.provided_service(&offered.service);
+            let service = OuterService {
+                provider: offered.service.component(),
+                declaration,
+                queue,
+            };
+            operations.add(offered::open(0, &offered.name, &service, &identity)?);
+        }
+        Ok(Self(operations))
     }
 }
 
@@ -108,8 +130,6 @@ pub(crate) struct CallingAdapter(pub Vec<RemoteService>);
 
 impl Adapter for CallingAdapter {
     fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
-        for remote in &mut self.0 {
-            remote.deliver(now, effects);
-        }
+        self.0.retain_mut(|remote| remote.deliver(now, effects));
     }
 }

@@ -12,8 +12,11 @@ use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 use crate::adapter::{BusAdapter, CallingAdapter, ServingAdapter};
 use crate::error::NetworkError;
 use crate::remote::{CallerIdentity, RemoteRoute, RemoteService};
-use crate::remote_ends::{OfferedService, RemoteEnds, RemoteReference, address, is_on};
+use crate::remote_ends::{
+    OfferedService, RemoteEnds, RemoteReference, address, caller_and_service, is_on,
+};
 use crate::robot_service::RobotService;
+use crate::running::RunningNetwork;
 
 /// A reference to a service of another system.
 struct ExternalReference {
@@ -49,6 +52,7 @@ pub struct Network {
     robot_services: Vec<(Option<String>, Arc<RobotService>)>,
     /// The system is attached to a bus.
     attached: bool,
+    running: RunningNetwork,
 }
 
 impl Network {
@@ -149,10 +153,11 @@ impl Network {
             .component_buses
             .get(&end.component())
             .cloned();
-        self.wire_remote_over(system, from, service, wire, bus.as_deref())
+        self.wire_remote_over(system, from, service, wire, bus.as_deref(), &|_| None)
     }
 
-    /// Wires a reference to a service that another process offers over one of several buses.
+    /// Wires a reference to a service that another process offers over one of several buses. `known` returns the operations of
+    /// an interface, whose types apply to operations that the reference declares without types.
     ///
     /// # Errors
     /// An error if there is no such reference, or if it has a service already.
@@ -163,9 +168,13 @@ impl Network {
         service: &str,
         wire: Wire,
         bus: Option<&str>,
+        known: &dyn Fn(&str) -> Option<Vec<OperationDeclaration>>,
     ) -> Result<(), BuildError> {
         let address = |operation: &str| address(service, operation);
-        let route = remote_route(system, from, service, wire, address)?;
+        let expected = expected_operations(system, from, known)?;
+        let mut route = remote_route(system, from, service, wire, address)?;
+        let operations = expected.operations.into_iter();
+        route.responses = operations.map(|it| it.response).collect();
         let bus = bus.map(str::to_owned);
         self.remote_ends
             .remote_references
@@ -189,9 +198,7 @@ impl Network {
         bus: Option<&str>,
         known: &dyn Fn(&str) -> Option<Vec<OperationDeclaration>>,
     ) -> Result<(), BuildError> {
-        let mut expected = reference_declaration(system, from)?;
-        let known = known(&expected.interface).unwrap_or_default();
-        complete_types(&mut expected, &known);
+        let expected = expected_operations(system, from, known)?;
         let shown = service.to_string();
         let address = |operation: &str| address(&shown, operation);
         let mut route = remote_route(system, from, &shown, wire, address)?;
@@ -234,12 +241,11 @@ impl Network {
     ) -> Result<(), BuildError> {
         let base = url.trim_end_matches('/');
         let address = |operation: &str| format!("{base}/{operation}");
-        let mut expected = reference_declaration(system, from)?;
-        let known = known(&expected.interface).unwrap_or_default();
-        complete_types(&mut expected, &known);
+        let expected = expected_operations(system, from, known)?;
         let mut route = remote_route(system, from, shown, wire, address)?;
         let operations = expected.operations.into_iter();
         route.responses = operations.map(|it| it.response).collect();
+        route.is_external = true;
         self.external.push(ExternalReference {
             from: from.to_owned(),
             url: url.to_owned(),
@@ -339,6 +345,12 @@ impl Network {
         Ok(())
     }
 
+    /// Returns the buses of the system, to which ends are joined while it runs; none before it is
+    /// [attached](Self::attach).
+    pub fn running(&self) -> RunningNetwork {
+        self.running.clone()
+    }
+
     fn add_bus_adapter(
         &mut self,
         system: &mut System,
@@ -347,6 +359,7 @@ impl Network {
     ) -> Result<(), BusError> {
         let ends = std::mem::take(&mut self.remote_ends);
         let adapter = BusAdapter::new(system, ends, buses, incarnation)?;
+        self.running = RunningNetwork::new(adapter.attachments());
         system.add_adapter(Box::new(adapter));
         self.attached = true;
         Ok(())
@@ -361,6 +374,7 @@ fn remote_route(
     wire: Wire,
     address: impl Fn(&str) -> String,
 ) -> Result<RemoteRoute, BuildError> {
+    let (caller, shown) = caller_and_service(from, service);
     let from = system.reference(from)?;
     let queue = RequestQueue::remote(Arc::clone(system.notifier()));
     let operations = system.wire_remote(&from, service, wire, Arc::clone(&queue))?;
@@ -368,16 +382,26 @@ fn remote_route(
     Ok(RemoteRoute {
         queue,
         addresses: operations.map(|called| address(called)).collect(),
+        caller,
+        shown,
         timeout: wire.timeout,
         robot_service: None,
         responses: Vec::new(),
+        is_external: false,
     })
 }
 
-/// Returns the declaration of a reference, given as `Component.reference`.
-fn reference_declaration(system: &System, from: &str) -> Result<ReferenceDeclaration, BuildError> {
+/// Returns the declaration of a reference, given as `Component.reference`, whose operations have the types of its interface.
+fn expected_operations(
+    system: &System,
+    from: &str,
+    known: &dyn Fn(&str) -> Option<Vec<OperationDeclaration>>,
+) -> Result<ReferenceDeclaration, BuildError> {
     let end = system.reference(from)?;
-    Ok(system.required_service(&end).clone())
+    let mut expected = system.required_service(&end).clone();
+    let known = known(&expected.interface).unwrap_or_default();
+    complete_types(&mut expected, &known);
+    Ok(expected)
 }
 
 /// Gives operations that a reference declares without types those of its interface.

@@ -1,6 +1,5 @@
 //! Services that other processes call: their requests go into the component's queue like local ones.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -9,17 +8,18 @@ use asmotion_component::CallError;
 use asmotion_datum::{Sample, Schema};
 use asmotion_port::Time;
 use asmotion_runtime::{
-    CallKey, Effects, RemoteCaller, ReplyTo, RequestQueue, ServiceRequest, System,
+    CallKey, Effects, Event, OuterService, RemoteCaller, ReplyTo, RequestQueue, ServiceRequest,
 };
 
 use crate::failure::call_failure;
 use crate::identity::BusIdentity;
-use crate::remote_ends::{OfferedService, address};
+use crate::remote_ends::address;
 
 /// Capacity of an operation's request queue on the bus.
 const WAITING: usize = 128;
 
 /// All operations that a system offers on a bus.
+#[derive(Default)]
 pub(crate) struct OfferedOperations {
     operations: Vec<OfferedOperation>,
     /// Number of the newest request.
@@ -27,7 +27,11 @@ pub(crate) struct OfferedOperations {
 }
 
 /// An operation that other processes may call.
-struct OfferedOperation {
+pub(crate) struct OfferedOperation {
+    /// Number of its service at the attachment.
+    offer: u64,
+    /// Name of its service outside.
+    service: String,
     /// Position of the provider in the system.
     provider: usize,
     queue: Arc<RequestQueue>,
@@ -35,44 +39,59 @@ struct OfferedOperation {
     operation: usize,
     /// Schema of the request.
     argument: Schema,
+    name: String,
     address: ServedAddress,
+    /// Refusals of the address that have been counted.
+    counted: u64,
+}
+
+/// Serves the operations of a service under a name. `offer` is the number of the service at the attachment.
+pub(crate) fn open(
+    offer: u64,
+    name: &str,
+    service: &OuterService<'_>,
+    identity: &BusIdentity,
+) -> Result<Vec<OfferedOperation>, BusError> {
+    let operations = service.declaration.operations.iter().enumerate();
+    let operations = operations.map(|(operation, declared)| {
+        let address = address(name, &declared.name);
+        let notifier = Arc::clone(&identity.notifier);
+        Ok(OfferedOperation {
+            offer,
+            service: name.to_owned(),
+            provider: service.provider,
+            queue: Arc::clone(&service.queue),
+            operation,
+            argument: declared.request.clone(),
+            address: identity.bus.serve(&address, WAITING, notifier)?,
+            name: address,
+            counted: 0,
+        })
+    });
+    operations.collect()
 }
 
 impl OfferedOperations {
-    pub(crate) fn new<'o>(
-        system: &System,
-        offered: impl Iterator<Item = &'o OfferedService>,
-        identity: &BusIdentity,
-    ) -> Result<Self, BusError> {
-        let mut operations = Vec::new();
-        let mut names = BTreeSet::new();
-        // a service offered over several buses may be listed twice for the same bus
-        for OfferedService {
-            service: end, name, ..
-        } in offered.filter(|it| names.insert(&it.name))
-        {
-            let (declaration, queue) = system.provided_service(end);
-            for (operation, declared) in declaration.operations.iter().enumerate() {
-                let address = address(name, &declared.name);
-                let notifier = Arc::clone(&identity.notifier);
-                operations.push(OfferedOperation {
-                    provider: end.component(),
-                    queue: Arc::clone(&queue),
-                    operation,
-                    argument: declared.request.clone(),
-                    address: identity.bus.serve(&address, WAITING, notifier)?,
-                });
-            }
-        }
-        Ok(Self {
-            operations,
-            last_call: 0,
-        })
+    /// Returns whether a service is offered under a name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.operations.iter().any(|it| it.service == name)
     }
 
-    /// Moves arrived requests into the providers' queues.
+    /// Adds the operations of a service.
+    pub(crate) fn add(&mut self, operations: Vec<OfferedOperation>) {
+        self.operations.extend(operations);
+    }
+
+    /// Removes and returns the operations of the service with this number.
+    pub(crate) fn remove(&mut self, offer: u64) -> Vec<OfferedOperation> {
+        let removed = self.operations.extract_if(.., |it| it.offer == offer);
+        removed.collect()
+    }
+
+    /// Moves arrived requests into the providers' queues, and counts those refused because a queue was full.
     pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
-        for offer in &self.operations {
+        for offer in &mut self.operations {
+            offer.count_refused(now, effects);
             while let Some(call) = offer.address.try_next() {
                 self.last_call += 1;
                 offer.accept(call, self.last_call, now, effects);
@@ -82,8 +101,31 @@ impl OfferedOperations {
 }
 
 impl OfferedOperation {
+    /// Counts the requests that the queue of the address has refused since the last time.
+    fn count_refused(&mut self, now: Time, effects: &mut dyn Effects) {
+        let refused = self.address.refused();
+        if refused > self.counted {
+            self.queue.add_refused(refused - self.counted);
+            self.counted = refused;
+            self.report_refused(now, effects);
+        }
+    }
+
+    fn report_refused(&self, now: Time, effects: &mut dyn Effects) {
+        effects.emit(
+            now,
+            &Event::Dropped {
+                component: "",
+                port: "",
+                to: &self.name,
+                total: self.queue.refused(),
+                reason: None,
+            },
+        );
+    }
+
     fn accept(&self, call: IncomingCall, number: u64, now: Time, effects: &mut dyn Effects) {
-        let argument = match call.argument.to_sample(&self.argument) {
+        let argument = match call.argument.to_complete_sample(&self.argument) {
             Ok(argument) => argument,
             Err(error) => {
                 return call.reply(Err(Refusal {
@@ -112,9 +154,11 @@ impl OfferedOperation {
             deadline: answered.then_some(now + remaining),
             reply_to: answered.then(|| ReplyTo::Remote(Box::new(BusCaller(call)))),
         };
-        // if the queue is full, dropping the request tells the caller
-        if self.queue.send(request, effects) == Ok(true) {
-            effects.trigger(self.provider);
+        match self.queue.send(request, effects) {
+            Ok(true) => effects.trigger(self.provider),
+            // the queue is full: dropping the request tells the caller
+            Err(CallError::Unavailable) => self.report_refused(now, effects),
+            Ok(false) | Err(_) => {}
         }
     }
 }

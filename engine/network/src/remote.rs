@@ -9,7 +9,7 @@ use asmotion_bus::{
     Bus, BusError, CallFailure, Notifier, Payload, PendingCall, Refusal, Request, SenderId,
     ServiceClient, SpanGenerator,
 };
-use asmotion_component::{CallError, ServiceFault};
+use asmotion_component::{CallError, NOTICE_REPORT, ServiceFault};
 use asmotion_datum::{Datum, DatumError, DatumProblem, Message, Sample, Schema, Shape};
 use asmotion_port::Time;
 use asmotion_runtime::{
@@ -24,12 +24,18 @@ pub(crate) struct RemoteRoute {
     pub queue: Arc<RequestQueue>,
     /// Addresses, by position of the operation in the reference.
     pub addresses: Vec<String>,
+    /// The calling component.
+    pub caller: String,
+    /// The reference and what it leads to, without secrets.
+    pub shown: String,
     /// Timeout of one-way calls.
     pub timeout: Duration,
     /// The service of another robot, which is compared with its announcement.
     pub robot_service: Option<Arc<RobotService>>,
-    /// Types of the responses of another system, by position of the operation in the reference; the last ones may be missing.
+    /// Types of the responses, by position of the operation in the reference; the last ones may be missing.
     pub responses: Vec<Schema>,
+    /// The provider belongs to another system: a reply that does not have the type of the response is a fault.
+    pub is_external: bool,
 }
 
 impl RemoteRoute {
@@ -37,7 +43,11 @@ impl RemoteRoute {
     fn read(&self, operation: usize, reply: Payload) -> Result<Payload, CallFailure> {
         let read = match (&self.robot_service, self.responses.get(operation)) {
             (Some(service), _) => service.read(operation, &reply),
-            (None, Some(response)) => read_response(response, reply),
+            (None, Some(response)) if self.is_external => read_response(response, &reply),
+            // the caller refuses what it cannot read
+            (None, Some(response)) => Ok(reply
+                .to_complete_sample(response)
+                .map_or(reply, Payload::Sample)),
             (None, None) => Ok(reply),
         };
         read.map_err(|fault| CallFailure::Refused(refusal(fault)))
@@ -90,6 +100,8 @@ pub(crate) struct RemoteService {
     is_known: bool,
     /// Number of one-way calls without a provider.
     lost: u64,
+    /// The reason for which the provider is unavailable, if it has been reported.
+    reported: Option<String>,
 }
 
 /// A call under way.
@@ -130,11 +142,15 @@ impl RemoteService {
             held: VecDeque::new(),
             is_known: false,
             lost: 0,
+            reported: None,
         }
     }
 
-    /// Sends the posted requests, and passes on the outcomes of calls.
-    pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
+    /// Sends the posted requests, and passes on the outcomes of calls. Returns whether more can follow: the reference is
+    /// still wired to the service, or a call is under way.
+    pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
+        // read first: nobody can post a request afterwards
+        let is_wired = Arc::strong_count(&self.route.queue) > 1;
         while let Some(message) = self.route.queue.next() {
             match message {
                 ProviderMessage::Request(request) => self.held.push_back(request),
@@ -148,6 +164,8 @@ impl RemoteService {
             match open.pending.try_take() {
                 None => index += 1,
                 Some(end) => {
+                    let is_early = !open.pending.is_expired();
+                    let reason = open.pending.reason().map(str::to_owned);
                     let RemoteCall {
                         key,
                         operation,
@@ -160,10 +178,42 @@ impl RemoteService {
                         }
                         CallOrigin::OneWay { .. } => end,
                     };
-                    self.complete(key, origin, end, now, effects);
+                    self.report(end.is_ok(), reason, now, effects);
+                    match (origin, end) {
+                        // a server whose own call has timed out; at the deadline, the caller ends the call itself
+                        (CallOrigin::Waiting(reply_to), Err(CallFailure::Timeout)) if is_early => {
+                            reply_to.send(key.number, Err(CallError::Timeout), effects);
+                        }
+                        (origin, end) => self.complete(key, origin, end, now, effects),
+                    }
                 }
             }
         }
+        is_wired || !self.pending.is_empty() || !self.held.is_empty()
+    }
+
+    /// Reports why the provider is unavailable, once until a call succeeds or the reason is another one.
+    fn report(
+        &mut self,
+        is_reply: bool,
+        reason: Option<String>,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        if is_reply {
+            self.reported = None;
+        }
+        let Some(reason) = reason.filter(|it| self.reported.as_ref() != Some(it)) else {
+            return;
+        };
+        let data = Datum::Text(format!("{} is unavailable: {reason}", self.route.shown));
+        let event = Event::Report {
+            component: &self.route.caller,
+            kind: NOTICE_REPORT,
+            data: &data,
+        };
+        effects.emit(now, &event);
+        self.reported = Some(reason);
     }
 
     /// Sends the requests that need not wait, and ends those that do not fit what the provider has announced.
@@ -305,14 +355,17 @@ impl RemoteService {
 }
 
 /// Reads the reply of another system. Nothing is a reply where there is nothing to say.
-fn read_response(response: &Schema, reply: Payload) -> Result<Payload, ServiceFault> {
+fn read_response(response: &Schema, reply: &Payload) -> Result<Payload, ServiceFault> {
     let is_empty = matches!(&response.shape, Shape::Record(fields) if fields.is_empty());
     let datum = reply.to_datum().and_then(|datum| {
-        if !(is_empty && datum.is_null()) {
-            response.accepts(&datum)?;
-        }
-        Ok(reply)
+        let datum = if is_empty && datum.is_null() {
+            Datum::Record(Vec::new())
+        } else {
+            datum
+        };
+        response.complete(datum)
     });
+    let datum = datum.map(Payload::of);
     datum.map_err(|error| ServiceFault::new("BAD_REPLY", error.to_string()))
 }
 

@@ -44,6 +44,16 @@ pub(crate) fn is_on(bus: Option<&str>, this: Option<&str>) -> bool {
     this.is_none() || bus == this
 }
 
+/// Name of a topic in events of the system.
+pub(crate) fn outer_topic(topic: &str) -> String {
+    format!("bus topic {topic}")
+}
+
+/// Name of an offered service in changes of the system.
+pub(crate) fn outer_service(name: &str) -> String {
+    format!("service {name}")
+}
+
 /// The topic of an output that is connected to inputs of other processes, for example `port.RoverDriver.odom`.
 pub fn port_topic(output: &str) -> String {
     format!("port.{output}")
@@ -52,4 +62,10 @@ pub fn port_topic(output: &str) -> String {
 /// The address of an operation, for example `TrajectoryPlanner.planning.plan`.
 pub(crate) fn address(service: &str, operation: &str) -> String {
     format!("{service}.{operation}")
+}
+
+/// The calling component, and its reference with what it leads to in words. `from` is `Component.reference`.
+pub(crate) fn caller_and_service(from: &str, service: &str) -> (String, String) {
+    let (caller, reference) = from.rsplit_once('.').unwrap_or((from, ""));
+    (caller.to_owned(), format!("`{reference}` at {service}"))
 }

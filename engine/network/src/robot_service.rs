@@ -87,6 +87,11 @@ impl RobotService {
         }
     }
 
+    /// The reference that calls the service, for example `Coordinator.maps`.
+    pub fn reference(&self) -> &str {
+        &self.from
+    }
+
     /// Name of the robot that provides the service.
     pub fn robot(&self) -> &str {
         &self.robot
@@ -132,6 +137,22 @@ impl RobotService {
             "robot `{}` has no service `{}`, which `{}` calls; its component provides {others}",
             self.robot, self.name, self.from
         );
+        self.refuse(detail);
+    }
+
+    /// Takes note that the name begins with the `id` of a component of the robot, whose service has the address `address`.
+    pub fn set_named_by_id(&self, address: &str) {
+        let Self {
+            from, robot, name, ..
+        } = self;
+        self.refuse(format!(
+            "`{name}` of robot `{robot}`, which `{from}` calls, begins with the `task.id` of a component: its address is \
+             `robot://{robot}/{address}`"
+        ));
+    }
+
+    /// Lets all calls end with the fault that there is no such service.
+    fn refuse(&self, detail: String) {
         let fault = ServiceFault::new("NO_SERVICE", detail);
         let operations = self.expected.operations.len();
         self.set(Comparison::Done(vec![Some(fault); operations]));
@@ -159,10 +180,8 @@ impl RobotService {
         let Some(expected) = self.expected.operations.get(operation) else {
             return Ok(reply.clone());
         };
-        let datum = reply.to_datum().and_then(|datum| {
-            expected.response.accepts(&datum)?;
-            Ok(datum)
-        });
+        let datum = reply.to_datum();
+        let datum = datum.and_then(|datum| expected.response.complete(datum));
         datum.map(Payload::of).map_err(|error| {
             let Self { robot, name, .. } = self;
             let operation = &expected.name;

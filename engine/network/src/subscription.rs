@@ -10,8 +10,8 @@ use asmotion_bus::{
     BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription, SubscriptionCounts,
 };
 use asmotion_datum::{DatumError, DatumProblem, Schema};
-use asmotion_port::{BufferKind, Policy, Time};
-use asmotion_runtime::{ComponentEnd, CycleCause, Effects, InjectionPort, LiveContext, System};
+use asmotion_port::{BufferKind, Time};
+use asmotion_runtime::{CycleCause, Effects, InjectionPort, LiveContext, OuterInput};
 
 use crate::identity::BusIdentity;
 
@@ -20,6 +20,7 @@ const WAITING: usize = 256;
 
 /// A port's subscription to a topic. Each port has its own queue on the bus, so that ports do not wait for each other,
 /// and operators can see which of them does not keep up.
+#[derive(Clone)]
 pub(crate) struct TopicSubscription(Arc<DeliveryGate>);
 
 /// Lets one thread at a time move messages from the bus's queue into the port, without ever blocking a thread.
@@ -44,7 +45,7 @@ pub(crate) struct TopicSubscription(Arc<DeliveryGate>);
 struct DeliveryGate {
     /// Wakes the thread that calls the adapter.
     notifier: Arc<Notifier>,
-    /// The context with which threads of the bus put messages into the port. Set once, before the bus thread starts;
+    /// The context with which threads of the bus put messages into the port. Set once, before the bus thread starts, or when a subscription of a running system begins;
     /// until then, and throughout a simulation, they notify the adapter instead.
     context: OnceLock<LiveContext>,
     /// There may be messages that no thread is about to drain; see the type's documentation.
@@ -79,19 +80,16 @@ struct TopicRoute {
 }
 
 impl TopicSubscription {
-    /// Subscribes an input to a topic of the bus, without messages of the incarnation `own_incarnation`. Returns `None`
-    /// if the port cannot have such a connection, which an earlier check excludes.
+    /// Subscribes an input to a topic of the bus, without messages of the incarnation `own_incarnation`. `reader` is the name of
+    /// its component outside.
     pub(crate) fn new(
-        system: &mut System,
+        reader: &str,
         topic: &str,
-        input: &ComponentEnd,
-        policy: &Policy,
+        kind: BufferKind,
+        input: OuterInput<'_>,
         own_incarnation: Option<u64>,
         identity: &BusIdentity,
-    ) -> Result<Option<Self>, BusError> {
-        let Some(port) = system.injection_port(input, policy) else {
-            return Ok(None);
-        };
+    ) -> Result<Self, BusError> {
         let gate = Arc::new(DeliveryGate {
             notifier: Arc::clone(&identity.notifier),
             context: OnceLock::new(),
@@ -105,24 +103,29 @@ impl TopicSubscription {
                 gate.notify();
             }
         });
-        let (bus, pattern) = (&identity.bus, Pattern::new(topic));
-        let reader = system.external_name(input);
+        let pattern = Pattern::new(topic);
+        let (policy, notifier) = (queue_policy(kind), Arc::new(notifier));
         let route = TopicRoute {
-            subscription: bus.subscribe(
-                &reader,
-                &pattern,
-                queue_policy(policy.kind),
-                Arc::new(notifier),
-            )?,
-            port,
-            schema: system.input_schema(input).clone(),
-            cause: system.cycle_cause(input),
+            subscription: identity.bus.subscribe(reader, &pattern, policy, notifier)?,
+            port: input.port,
+            schema: input.schema.clone(),
+            cause: input.cause,
             own_incarnation,
             lost: SubscriptionCounts::default(),
             discarded: 0,
         };
         *gate.route.lock().unwrap_or_else(PoisonError::into_inner) = Some(route);
-        Ok(Some(Self(gate)))
+        Ok(Self(gate))
+    }
+
+    /// Returns whether both are the same subscription.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// Has the messages that have arrived moved into the port.
+    pub(crate) fn notify(&self) {
+        self.0.notify();
     }
 
     /// From now on, receiving threads put messages into the port.

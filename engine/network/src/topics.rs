@@ -1,91 +1,38 @@
-//! Topics on the bus: sends samples of the system, and receives those of other processes.
+//! Topics on the bus: sends samples of the system.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use asmotion_bus::{Bus, BusError, Payload, PublishOptions, Publisher, SenderId};
-use asmotion_component::HEALTH_TOPIC;
-use asmotion_datum::{DatumError, DatumProblem, Sample};
+use asmotion_bus::{BusError, Payload, PublishOptions, Publisher, SenderId};
+use asmotion_datum::{DatumError, DatumProblem, Sample, Schema};
 use asmotion_port::{AnySender, PushOutcome, Time};
-use asmotion_runtime::{
-    ComponentEnd, CycleCause, Effects, InjectionPorts, LiveContext, System, SystemTopic,
-};
+use asmotion_runtime::{ComponentEnd, CycleCause, System, SystemTopic};
 
-use crate::health::HealthPublisher;
 use crate::identity::BusIdentity;
-use crate::remote_ends::port_topic;
-use crate::subscription::TopicSubscription;
+use crate::remote_ends::{outer_topic, port_topic};
 
-/// The system's topics on one bus.
-pub(crate) struct BusTopics {
-    subscriptions: Vec<TopicSubscription>,
-    health: HealthPublisher,
-    /// Injection ports of the subscribers of [`HEALTH_TOPIC`].
-    health_ports: InjectionPorts,
-    bus: Arc<dyn Bus>,
-}
-
-impl BusTopics {
-    /// Connects topics, and outputs read by other processes, to the bus. If the bus connects the topic's local ends
-    /// too, the process also receives its own messages.
-    pub(crate) fn new<'e>(
-        system: &mut System,
-        topics: &[SystemTopic],
-        publish_options: &BTreeMap<String, PublishOptions>,
-        exposed: impl Iterator<Item = &'e (ComponentEnd, PublishOptions)>,
-        identity: &BusIdentity,
-    ) -> Result<Self, BusError> {
-        for topic in topics {
-            let sending = publish_options
-                .get(&topic.name)
-                .copied()
-                .unwrap_or_default();
-            for end in &topic.publishers {
-                publish(system, end, &topic.name, sending, identity)?;
-            }
-        }
-        for (end, sending) in exposed {
-            publish(system, end, &port_topic(end.name()), *sending, identity)?;
-        }
-        let own = (!system.leaves_topics_to_adapters()).then_some(identity.incarnation);
-        let is_health = |topic: &&SystemTopic| topic.name == HEALTH_TOPIC;
-        let mut subscriptions = Vec::new();
-        for topic in topics.iter().filter(|topic| !is_health(topic)) {
-            for (end, policy) in &topic.subscribers {
-                let subscription =
-                    TopicSubscription::new(system, &topic.name, end, policy, own, identity)?;
-                subscriptions.extend(subscription);
-            }
-        }
-        let health: Vec<SystemTopic> = topics
-            .iter()
-            .filter(is_health)
-            .map(|it| it.filtered(|_| true))
-            .collect();
-        Ok(Self {
-            subscriptions,
-            health: HealthPublisher::new(&health),
-            health_ports: system.injection_topics(&health),
-            bus: Arc::clone(&identity.bus),
-        })
-    }
-
-    /// From now on, receiving threads put messages into ports.
-    pub(crate) fn start_live(&self, context: &LiveContext) {
-        for subscription in &self.subscriptions {
-            subscription.start_live(context);
+/// Publishes topics, and outputs read by other processes, on the bus. If the bus connects the topic's local ends too, the process
+/// also receives its own messages.
+pub(crate) fn publish_all<'e>(
+    system: &mut System,
+    topics: &[SystemTopic],
+    publish_options: &BTreeMap<String, PublishOptions>,
+    exposed: impl Iterator<Item = &'e (ComponentEnd, PublishOptions)>,
+    identity: &BusIdentity,
+) -> Result<(), BusError> {
+    for topic in topics {
+        let sending = publish_options
+            .get(&topic.name)
+            .copied()
+            .unwrap_or_default();
+        for end in &topic.publishers {
+            publish(system, end, &topic.name, sending, identity)?;
         }
     }
-
-    /// Moves arrived messages into ports, and publishes the state of the bus.
-    pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
-        let bus = &self.bus;
-        self.health
-            .publish(|| bus.health(), &mut self.health_ports, now, effects);
-        for subscription in &self.subscriptions {
-            subscription.deliver(now, effects);
-        }
+    for (end, sending) in exposed {
+        publish(system, end, &port_topic(end.name()), *sending, identity)?;
     }
+    Ok(())
 }
 
 /// Publishes an output on the bus as well.
@@ -96,13 +43,25 @@ fn publish(
     options: PublishOptions,
     identity: &BusIdentity,
 ) -> Result<(), BusError> {
-    let origin = SenderId::new(system.external_name(end), identity.incarnation);
-    let cause = system.cycle_cause(end);
+    let (source, cause) = (system.external_name(end), system.cycle_cause(end));
     let schema = system.output_schema(end);
-    let publisher = identity.bus.publisher(topic, &origin, schema, options)?;
-    let sender = BusSender { publisher, cause };
-    system.connect_output(end, Box::new(sender), format!("bus topic {topic}"));
+    let sender = open(topic, source, schema, cause, options, identity)?;
+    system.connect_output(end, sender, outer_topic(topic));
     Ok(())
+}
+
+/// Opens the way of the samples of an output to a topic. `source` is the name of its component outside.
+pub(crate) fn open(
+    topic: &str,
+    source: Arc<str>,
+    schema: &Schema,
+    cause: Arc<CycleCause>,
+    options: PublishOptions,
+    identity: &BusIdentity,
+) -> Result<Box<dyn AnySender>, BusError> {
+    let origin = SenderId::new(source, identity.incarnation);
+    let publisher = identity.bus.publisher(topic, &origin, schema, options)?;
+    Ok(Box::new(BusSender { publisher, cause }))
 }
 
 /// Adapts a publisher to the reading end of a connection.

@@ -120,6 +120,26 @@ fn a_call_is_answered_by_another_system() {
     assert_eq!(ends_with(doubler(), Wire::default()), [Ok(42)]);
 }
 
+/// A server whose own call has timed out: the caller need not wait for its deadline.
+#[test]
+fn a_timeout_before_the_deadline_ends_the_attempt_at_once() {
+    let (bus, replies) = (LocalBus::new(), Replies::default());
+    let notifier = Arc::new(Notifier::new());
+    let served = bus.serve("Provider.sums.double", 4, notifier).unwrap();
+    let provides = std::thread::spawn(move || {
+        for _ in 0..2 {
+            let call = served.next_within(Duration::from_secs(20)).unwrap();
+            call.complete(Err(CallFailure::Timeout));
+        }
+    });
+    // a timeout is tried again
+    let wire = Wire::timeout(120.s()).retries(1);
+    let mut here = calling(&bus, &replies, wire).0.live();
+    until_reported(&mut here, "replied");
+    provides.join().unwrap();
+    assert_eq!(*replies.lock().unwrap(), [Err(CallError::Timeout)]);
+}
+
 #[test]
 fn a_fault_keeps_its_code() {
     let fault = ServiceFault::new("ODD", "21 is odd");

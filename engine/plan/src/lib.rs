@@ -3,6 +3,7 @@
 
 mod codes;
 mod component;
+mod component_thread;
 mod connection_route;
 mod expand;
 mod flatten;
@@ -16,6 +17,7 @@ mod route;
 
 pub use codes::CODES;
 pub use component::{Component, Port, Service};
+pub use component_thread::{ComponentThread, ThreadReason};
 pub use connection_route::{ConnectionRoute, RouteEnd, RouteTransport};
 pub use expand::{beside, expand};
 pub use graph::Dependency;
@@ -25,6 +27,6 @@ pub use opened::{Opened, open, summary};
 pub use part::Part;
 pub use plan::{
     Bridge, Broker, End, Endpoint, Gateway, Implementation, Lifecycle, Pace, Plan, Policy, Process,
-    PropertyValues, Record, Restart, Terminal, Wire,
+    PropertyValues, Record, RecordReaders, Restart, Terminal, Wire,
 };
 pub use route::robot_address;

@@ -48,6 +48,16 @@ impl Opened {
             .find(|(name, _)| name.as_deref() == profile);
         found.map(|(_, plan)| plan)
     }
+
+    /// Names of the processes that have components in every profile.
+    pub fn processes(&self) -> BTreeSet<&str> {
+        let mut plans = self.plans.iter().map(|(_, plan)| {
+            let used = plan.processes.iter().filter(|it| !it.components.is_empty());
+            used.map(|it| &*it.name).collect::<BTreeSet<_>>()
+        });
+        let first = plans.next().unwrap_or_default();
+        plans.fold(first, |all, used| &all & &used)
+    }
 }
 
 /// Loads and checks a composite in every profile and plans the profiles without errors.
@@ -112,7 +122,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let files: BTreeSet<String> = files.collect();
     Opened {
         sources,
-        report: report.finish(),
+        report: family.combine_instances(report).finish(),
         outside,
         path: family.root.clone(),
         type_files: files.into_iter().collect(),

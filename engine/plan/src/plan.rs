@@ -13,7 +13,7 @@ pub use asmotion_composite::model::{
     PlannedBridge as Bridge, PlannedBroker as Broker, PlannedGateway as Gateway,
     PlannedImplementation as Implementation, PlannedLifecycle as Lifecycle, PlannedPace as Pace,
     PlannedPolicy as Policy, PlannedProcess as Process, PlannedRecord as Record,
-    PlannedRestart as Restart, PlannedWire as Wire,
+    PlannedRestart as Restart, PlannedWire as Wire, RecordReaders,
 };
 pub use asmotion_composite::value::PropertyValues;
 

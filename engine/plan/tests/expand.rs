@@ -161,3 +161,10 @@ fn it_shows_no_secret() {
     assert!(!expanded.contains("geheim"), "{expanded}");
     assert_eq!(expanded.matches("***").count(), 2, "{expanded}");
 }
+
+/// Instances are the same as elements that are written one by one.
+#[test]
+fn it_expands_instances_to_elements() {
+    let expanded = expansions("tests/composites", "instances_are_fine.toml");
+    insta::assert_snapshot!("instances", expanded.join("\n"));
+}

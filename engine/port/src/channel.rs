@@ -39,6 +39,16 @@ pub trait ChannelOpener: Send + Sync {
         queue: Option<&mut SharedQueue>,
     ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError>;
 
+    /// Opens a lock-free channel of its own whose memory is allocated with the first sample, by the thread that sends it.
+    ///
+    /// # Errors
+    /// An error if the type does not fit the policy.
+    fn open_on_demand(
+        &self,
+        connection: ConnectionId,
+        policy: &Policy,
+    ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError>;
+
     /// The counter of the messages that are lost on the way into the port. Writers count what they drop.
     fn losses(&self) -> LossCounter;
 }
@@ -85,7 +95,7 @@ pub(crate) enum InputReceiver<T> {
 /// Opens channels into ports of type `T`.
 pub(crate) struct OpenerOf<T> {
     /// Type of the port, which of a port of data is known at run time only.
-    pub schema: Schema,
+    pub schema: Arc<Schema>,
     pub losses: LossCounter,
     pub of: PhantomData<fn() -> T>,
 }
@@ -97,6 +107,41 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
         policy: &Policy,
         queue: Option<&mut SharedQueue>,
     ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError> {
+        if policy.pull {
+            let (sender, receiver) = channel_ends(policy, queue)?;
+            let receiver = InputReceiver::Pulled(receiver);
+            self.joined(connection, policy, Box::new(PulledSender(sender)), receiver)
+        } else {
+            let (sender, receiver) = channel_ends::<T>(policy, queue)?;
+            let receiver = InputReceiver::Own(receiver);
+            self.joined(connection, policy, Box::new(sender), receiver)
+        }
+    }
+
+    fn open_on_demand(
+        &self,
+        connection: ConnectionId,
+        policy: &Policy,
+    ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError> {
+        let pool: Pool<Stamped<T>> = Pool::on_demand(policy.kind);
+        let receiver = InputReceiver::Own(pool.receiver());
+        self.joined(connection, policy, Box::new(pool.sender()), receiver)
+    }
+
+    fn losses(&self) -> LossCounter {
+        self.losses.clone()
+    }
+}
+
+impl<T: Message> OpenerOf<T> {
+    /// The two ends of a connection for the output and the port.
+    fn joined(
+        &self,
+        connection: ConnectionId,
+        policy: &Policy,
+        sender: Box<dyn AnySender>,
+        receiver: InputReceiver<T>,
+    ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError> {
         let zero: Option<T> = match policy.on_stale {
             // all fields of a message have initial values, so an empty record suffices
             OnStale::Zero => {
@@ -105,16 +150,6 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
                 Some(zeros.map_err(OpenError::NoZero)?)
             }
             OnStale::Hold | OnStale::NoData => None,
-        };
-        let (sender, receiver): (Box<dyn AnySender>, _) = if policy.pull {
-            let (sender, receiver) = channel_ends(policy, queue)?;
-            (
-                Box::new(PulledSender(sender)),
-                InputReceiver::Pulled(receiver),
-            )
-        } else {
-            let (sender, receiver) = channel_ends::<T>(policy, queue)?;
-            (Box::new(sender), InputReceiver::Own(receiver))
         };
         let channel = InputChannel {
             connection,
@@ -129,10 +164,6 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
             declared: true,
         };
         Ok((sender, reading_end))
-    }
-
-    fn losses(&self) -> LossCounter {
-        self.losses.clone()
     }
 }
 
@@ -177,12 +208,14 @@ impl<T: Message> InputChannel<T> {
         waiting.into_iter().collect()
     }
 
-    /// Discards the unread samples.
-    pub(crate) fn clear(&mut self) {
+    /// Discards the unread samples. Returns their number.
+    pub(crate) fn clear(&mut self) -> u64 {
+        let mut discarded = 0;
         match &mut self.receiver {
-            InputReceiver::Own(receiver) => receiver.drain(drop),
-            InputReceiver::Pulled(receiver) => receiver.drain(drop),
+            InputReceiver::Own(receiver) => receiver.drain(|_| discarded += 1),
+            InputReceiver::Pulled(receiver) => receiver.drain(|_| discarded += 1),
         }
+        discarded
     }
 }
 

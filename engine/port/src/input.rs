@@ -19,7 +19,7 @@ use crate::time::Time;
 
 /// An input port at run time. Used by its component's thread only.
 pub struct InputPort<T> {
-    schema: Schema,
+    schema: Arc<Schema>,
     channels: Vec<InputChannel<T>>,
     /// Samples that arrived since the last cycle, in order of arrival.
     new_samples: Vec<T>,
@@ -40,6 +40,9 @@ pub struct InputPort<T> {
     /// Scratch buffer of `freeze`, kept to avoid allocation.
     received: Vec<(ConnectionId, Stamped<T>)>,
 }
+
+/// Number of connections up to which a port has memory for no more than it has.
+const FEW_CHANNELS: usize = 4;
 
 /// Limit of remembered causes of refusals; further ones are not reported.
 const MAX_CAUSES: usize = 8;
@@ -101,7 +104,7 @@ impl<T: Message> InputPort<T> {
     /// time.
     pub fn new(schema: Schema) -> Self {
         Self {
-            schema,
+            schema: Arc::new(schema),
             channels: Vec::new(),
             new_samples: Vec::new(),
             expiries: Vec::new(),
@@ -234,6 +237,10 @@ pub trait AnyInput: Any + Send {
     /// allows, unless its policy holds stale samples. Returns which samples were refused.
     fn freeze(&mut self, now: Time) -> Refusals;
 
+    /// Discards the samples that have arrived since the last [`freeze`](Self::freeze), except those of connections that keep a
+    /// state for new readers ([`Policy::init`](crate::Policy::init)). Returns their number, which is also counted as lost.
+    fn discard(&mut self) -> u64;
+
     /// Remembers why the component refused a sample that it had read. Returns whether the cause is to be reported: each is
     /// reported once, and only the first few of a port.
     fn refuse(&mut self, cause: &str) -> bool;
@@ -288,7 +295,7 @@ impl<T: Message> AnyInput for InputPort<T> {
 
     fn opener(&self) -> Arc<dyn ChannelOpener> {
         Arc::new(OpenerOf::<T> {
-            schema: self.schema.clone(),
+            schema: Arc::clone(&self.schema),
             losses: self.losses.clone(),
             of: PhantomData,
         })
@@ -307,6 +314,16 @@ impl<T: Message> AnyInput for InputPort<T> {
         self.lost = self.losses.total();
         self.update_staleness(now);
         refusals
+    }
+
+    fn discard(&mut self) -> u64 {
+        let channels = self.channels.iter_mut();
+        let discarded = channels
+            .filter(|channel| !channel.policy.init)
+            .map(InputChannel::clear)
+            .sum();
+        self.losses.add(discarded);
+        discarded
     }
 
     fn refuse(&mut self, cause: &str) -> bool {
@@ -355,6 +372,10 @@ impl<T: Message> AnyInput for InputPort<T> {
     fn connect(&mut self, end: ReadingEnd) {
         // succeeds: the end was made by this port's own opener
         let channel = end.channel.downcast::<InputChannel<T>>();
+        if self.channels.len() < FEW_CHANNELS {
+            // most ports have one or two; a vector would make room for four
+            self.channels.reserve_exact(1);
+        }
         self.channels
             .extend(channel.ok().map(|channel| InputChannel {
                 declared: end.declared,

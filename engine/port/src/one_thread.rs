@@ -16,7 +16,9 @@ pub(crate) fn pool<T>(kind: BufferKind) -> Pool<T> {
     // one is, directly or indirectly, the other's slave.
     //
     // These components change threads only together: they are built in the `System` and moved as a whole into the
-    // `Simulation`, which is used by one thread at a time, or into one `Worker` before its thread starts. Ends created
-    // during a run are sent to that thread in messages and put into the components there; nothing uses them before.
+    // `Simulation`, which is used by one thread at a time, or into one `ComponentGroup`. A thread owns the group while it
+    // uses it: its own thread from its start to its end, or an executor thread for a turn. Between turns the group is behind
+    // the lock of the `SeatSchedule`, so that what a thread did in a turn happens before the next turn. Ends created during a
+    // run are sent to the group in messages and put into the components there; nothing uses them before.
     unsafe { Pool::unsync(kind) }
 }

@@ -29,6 +29,9 @@ pub struct OutputPort<T> {
     safe: Option<T>,
 }
 
+/// Number of connections up to which a port has memory for no more than it has.
+const FEW_LINKS: usize = 4;
+
 /// A sample of a cycle that is not committed yet.
 struct PendingSample<T> {
     value: T,
@@ -183,6 +186,11 @@ impl OutputLink {
         !self.readers.is_empty() && self.readers.iter().all(inside)
     }
 
+    /// Returns whether the link leads out of the system, to the end with this name.
+    fn is_outside(&self, to: &str) -> bool {
+        self.readers.is_empty() && self.to == to
+    }
+
     /// Returns whether a reader may still exist.
     fn may_have_reader(&self) -> bool {
         let gone = |reader: &LinkReader| match &reader.notification {
@@ -250,6 +258,12 @@ pub trait AnyOutput: Any + Send {
     /// Removes a connection.
     fn disconnect(&mut self, connection: ConnectionId);
 
+    /// Sends the last sample through the links out of the system with this name (RTT `init`).
+    fn replay_outside(&mut self, to: &str);
+
+    /// Removes the links out of the system with this name.
+    fn disconnect_outside(&mut self, to: &str);
+
     /// Sets the sample to write after the component's last cycle.
     ///
     /// # Errors
@@ -310,9 +324,14 @@ impl<T: Message> AnyOutput for OutputPort<T> {
             .find(|(_, known)| link.queue.is_some() && known.queue == link.queue);
         match existing {
             Some((_, known)) => known.readers.extend(link.readers),
-            None => self
-                .links
-                .extend(PortSender::of(sender).map(|sender| (sender, link))),
+            None => {
+                if self.links.len() < FEW_LINKS {
+                    // most ports have one; a vector would make room for four
+                    self.links.reserve_exact(1);
+                }
+                self.links
+                    .extend(PortSender::of(sender).map(|sender| (sender, link)));
+            }
         }
     }
 
@@ -338,6 +357,24 @@ impl<T: Message> AnyOutput for OutputPort<T> {
             let lost = link.readers.len() < count;
             !(lost && link.readers.is_empty())
         });
+    }
+
+    fn replay_outside(&mut self, to: &str) {
+        let Some(last) = &self.last else {
+            return;
+        };
+        for (sender, _) in self
+            .links
+            .iter_mut()
+            .filter(|(_, link)| link.is_outside(to))
+        {
+            // a bus that does not take the sample counts it itself
+            let _ = sender.send(last);
+        }
+    }
+
+    fn disconnect_outside(&mut self, to: &str) {
+        self.links.retain(|(_, link)| !link.is_outside(to));
     }
 
     fn set_safe(&mut self, sample: &Datum) -> Result<(), DatumError> {

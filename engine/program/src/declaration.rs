@@ -162,6 +162,9 @@ impl ProgramDeclaration {
         let declaration = &self.declaration;
         let inputs = declaration.inputs.iter().map(|port| {
             let handle = interface.input_of(&port.name, port.schema.clone(), &port.doc);
+            if port.command {
+                interface.command(handle);
+            }
             (port.name.clone(), handle)
         });
         let inputs = inputs.collect();

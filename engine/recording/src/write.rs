@@ -1,7 +1,7 @@
 //! Writes recordings.
 
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{Read, Write};
 
 use asmotion_component::Time;
 use asmotion_datum::Datum;
@@ -81,14 +81,78 @@ impl PortRecording {
     /// Fails if writing fails.
     pub fn write(&self, to: impl Write) -> csv::Result<()> {
         let mut table = csv::Writer::from_writer(to);
+        self.write_header(&mut table)?;
+        self.write_rows(&self.rows, &mut table)?;
+        table.flush()?;
+        Ok(())
+    }
+
+    /// Number of columns so far, without the time.
+    pub fn columns(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Writes rows for the end of a table with the columns so far, and forgets them. The last row stays: more values of its
+    /// instant can follow.
+    ///
+    /// # Errors
+    /// Fails if writing fails.
+    pub fn write_complete_rows(&mut self, to: impl Write) -> csv::Result<()> {
+        let complete = self.rows.len().saturating_sub(1);
+        let rows: Vec<RecordingRow> = self.rows.drain(..complete).collect();
+        self.append(&rows, to)
+    }
+
+    /// Writes all rows for the end of a table with the columns so far, and forgets them.
+    ///
+    /// # Errors
+    /// Fails if writing fails.
+    pub fn write_last_rows(&mut self, to: impl Write) -> csv::Result<()> {
+        let rows = std::mem::take(&mut self.rows);
+        self.append(&rows, to)
+    }
+
+    fn append(&self, rows: &[RecordingRow], to: impl Write) -> csv::Result<()> {
+        let mut table = csv::Writer::from_writer(to);
+        self.write_rows(rows, &mut table)?;
+        table.flush()?;
+        Ok(())
+    }
+
+    /// Copies a table that was written with fewer columns, with empty cells in the columns that it lacks.
+    ///
+    /// # Errors
+    /// Fails if reading or writing fails.
+    pub fn widen(&self, table: impl Read, to: impl Write) -> csv::Result<()> {
+        let mut wide = csv::Writer::from_writer(to);
+        self.write_header(&mut wide)?;
+        let mut row = csv::StringRecord::new();
+        let mut table = csv::Reader::from_reader(table);
+        while table.read_record(&mut row)? {
+            while row.len() <= self.columns.len() {
+                row.push_field("");
+            }
+            wide.write_record(&row)?;
+        }
+        wide.flush()?;
+        Ok(())
+    }
+
+    fn write_header(&self, table: &mut csv::Writer<impl Write>) -> csv::Result<()> {
         let columns = self.columns.iter().map(String::as_str);
-        table.write_record(std::iter::once(TIME).chain(columns))?;
-        for row in &self.rows {
+        table.write_record(std::iter::once(TIME).chain(columns))
+    }
+
+    fn write_rows(
+        &self,
+        rows: &[RecordingRow],
+        table: &mut csv::Writer<impl Write>,
+    ) -> csv::Result<()> {
+        for row in rows {
             let cell = |column| row.cells.get(&column).map_or("", String::as_str);
             let cells = (0..self.columns.len()).map(cell);
             table.write_record(std::iter::once(&*seconds(row.at)).chain(cells))?;
         }
-        table.flush()?;
         Ok(())
     }
 

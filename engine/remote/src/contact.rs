@@ -12,10 +12,11 @@ use asmotion_network::RobotService;
 use asmotion_plan::{Part, Plan};
 use asmotion_runtime::{Asked, Run};
 
-use crate::last_samples::LastSamples;
+use crate::clock::{ClockOffset, ClockWatch};
+use crate::last_samples::{LastSamples, now};
 use crate::order::{Order, OrderOutcome, control_address};
 use crate::order_error::OrderErrorCode;
-use crate::presence::presence_topic;
+use crate::presence::{RobotPresence, presence_topic};
 use crate::presence_publisher::PresencePublisher;
 use crate::robot_watch::RobotWatch;
 
@@ -33,10 +34,15 @@ pub struct ProcessContact<'p> {
     pending_orders: Vec<(IncomingCall, Asked)>,
     last_samples: LastSamples,
     presences: Subscription,
-    /// The processes whose presence has been received, each with its incarnation.
-    known_processes: BTreeSet<(Arc<str>, u64)>,
+    /// The processes whose presence has been received, each with its incarnation and its version.
+    known_processes: BTreeSet<(Arc<str>, u64, u64)>,
+    clocks: ClockWatch,
+    /// Clocks that differ from ours, not yet taken by the owner.
+    wrong_clocks: Vec<ClockOffset>,
     /// Services of other robots.
     robot_watch: Option<RobotWatch>,
+    /// What is wrong with services of other robots, not yet taken by the owner.
+    robot_problems: Vec<String>,
 }
 
 impl<'p> ProcessContact<'p> {
@@ -66,8 +72,11 @@ impl<'p> ProcessContact<'p> {
             order_address: bus.serve(&control_address(process), WAITING, notifier)?,
             pending_orders: Vec::new(),
             last_samples: newest,
-            known_processes: BTreeSet::from([(process.into(), incarnation)]),
+            known_processes: BTreeSet::from([(process.into(), incarnation, 0)]),
+            clocks: ClockWatch::default(),
+            wrong_clocks: Vec::new(),
             robot_watch: None,
+            robot_problems: Vec::new(),
         })
     }
 
@@ -94,8 +103,8 @@ impl<'p> ProcessContact<'p> {
         }
         self.reply_to_orders();
         self.publish_for_new_processes();
-        if let Some(robots) = &self.robot_watch {
-            robots.process();
+        if let Some(robots) = &mut self.robot_watch {
+            self.robot_problems.extend(robots.process());
         }
         self.presence_publisher.publish_if_due(run);
     }
@@ -115,14 +124,28 @@ impl<'p> ProcessContact<'p> {
         }
     }
 
-    /// Publishes the presence early if a new process has appeared, because it may have missed messages published only
-    /// once.
+    /// Takes the clocks of other processes of the robot that have been found to differ from ours by more than
+    /// [`CLOCK_TOLERANCE`](crate::CLOCK_TOLERANCE). Each process is returned once.
+    pub fn take_wrong_clocks(&mut self) -> Vec<ClockOffset> {
+        std::mem::take(&mut self.wrong_clocks)
+    }
+
+    /// Takes what is wrong with services of other robots that run, but do not have them. Each is returned once.
+    pub fn take_robot_problems(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.robot_problems)
+    }
+
+    /// Sends retained messages again if a new process has appeared, or one has changed to another version: its new inputs may
+    /// have missed messages published only once. Compares the clocks of all.
     fn publish_for_new_processes(&mut self) {
         let mut is_new = false;
         while let Some(presence) = self.presences.try_next() {
+            self.wrong_clocks
+                .extend(self.clocks.record(&presence, now()));
+            let version = RobotPresence::of(&presence).map_or(0, |it| it.presence.version);
             is_new |= self
                 .known_processes
-                .insert((presence.source, presence.incarnation));
+                .insert((presence.source, presence.incarnation, version));
         }
         if is_new {
             self.bus.republish_retained();

@@ -44,6 +44,14 @@ pub enum RemoteError {
         /// The explanation, for a human reader.
         detail: String,
     },
+    /// The component is in a cycle that does not end, and cannot be asked meanwhile.
+    #[error(
+        "`{component}` is in a cycle that does not end, and its properties cannot be read meanwhile"
+    )]
+    Busy {
+        /// Full name of the component.
+        component: String,
+    },
     /// The component's process did not reply to an order.
     #[error("the process `{process}` does not respond: {source}")]
     Process {

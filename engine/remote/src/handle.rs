@@ -1,6 +1,6 @@
 //! Handles of components of a running system.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_component::{Declaration, State, Transition};
 use asmotion_datum::Datum;
@@ -15,6 +15,12 @@ use crate::presence::{PresentComponent, PresentService, key};
 use crate::remote::Remote;
 use crate::roster::ComponentLocation;
 use crate::watch::OutputWatch;
+
+/// Time for which a long cycle of a component is awaited.
+const CYCLE_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Time between two looks at a component in a long cycle.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// A handle of a component. Remains valid when the component's process is restarted.
 #[derive(Clone)]
@@ -126,12 +132,24 @@ impl RemoteComponent {
         self.send_order(order).map(drop)
     }
 
-    /// The properties with their current values.
+    /// The properties with their current values. Waits for the end of a long cycle.
     ///
     /// # Errors
-    /// [`RemoteError::Process`] if the component's process does not reply.
+    /// [`RemoteError::Process`] if the component's process does not reply, [`RemoteError::Busy`] if the cycle does not end.
     pub fn properties(&self) -> Result<Vec<(String, Datum)>, RemoteError> {
-        Ok(self.refresh()?.properties)
+        let until = Instant::now() + CYCLE_PATIENCE;
+        loop {
+            let properties = self.refresh()?.properties;
+            // in the middle of a cycle, none are reported
+            if !properties.is_empty() || self.declaration()?.properties.is_empty() {
+                return Ok(properties);
+            }
+            if Instant::now() >= until {
+                let component = self.full_name();
+                return Err(RemoteError::Busy { component });
+            }
+            std::thread::sleep(BETWEEN_LOOKS);
+        }
     }
 
     /// The current value of a property.

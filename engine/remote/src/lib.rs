@@ -42,7 +42,7 @@ mod stand_in;
 mod watch;
 
 pub use self::call::SendHandle;
-pub use self::clock::{ClockOffset, clock_offsets};
+pub use self::clock::{CLOCK_REMEDY, CLOCK_TOLERANCE, ClockOffset, clock_offsets};
 pub use self::contact::ProcessContact;
 pub use self::error::RemoteError;
 pub use self::handle::{RemoteComponent, RemoteServiceHandle};

@@ -4,7 +4,7 @@ use asmotion_diagnostics::similar;
 
 use crate::error::RemoteError;
 use crate::levels::after_component;
-use crate::presence::key;
+use crate::presence::{PresentComponent, key, operations};
 use crate::remote::Remote;
 use crate::roster::ComponentLocation;
 
@@ -101,8 +101,8 @@ impl Remote {
                 .any(|it| composite(&it.present.name) == own)
     }
 
-    /// The address of an operation given without its robot, `MapServer.maps.getMap`, or without its service, `MapServer.getMap`;
-    /// `None` if no component has this operation. The levels of a nested component may be separated by dots, as in
+    /// The address of an operation given without its robot, `MapServer.maps.getMap` or `maps.getMap` by the name under which the
+    /// service is promoted, or without its service, `MapServer.getMap`; `None` if no component has this operation. The levels of a nested component may be separated by dots, as in
     /// `Arm.Driver.getJoints` for `Arm/Driver.state.getJoints`.
     ///
     /// # Errors
@@ -113,6 +113,13 @@ impl Remote {
             .iter()
             .flat_map(|component| operations_named(component, operation))
             .collect();
+        for presence in self.processes() {
+            let promoted = operations(&presence)
+                .into_iter()
+                .filter(|it| it.is_promoted);
+            let named = promoted.filter(|it| it.name == operation);
+            found.extend(named.map(|it| presence.key(&it.name)));
+        }
         found.sort();
         found.dedup();
         if found.len() > 1 {
@@ -130,12 +137,15 @@ impl Remote {
     }
 }
 
-/// The addresses of a component's operations that a name means, which begins with that of the component.
+/// The addresses of a component's operations that a name means, which begins with the name or the `id` of the component.
 fn operations_named(at: &ComponentLocation, name: &str) -> Vec<String> {
-    let names = [at.present.name.clone(), at.full_name()];
+    let PresentComponent { name: own, id, .. } = &at.present;
+    let names = [own, id]
+        .into_iter()
+        .flat_map(|it| [it.clone(), key(&at.robot, it)]);
     let rest = names
-        .iter()
-        .find_map(|it| after_component(name, it)?.strip_prefix('.'));
+        .filter(|it| !it.is_empty())
+        .find_map(|it| Some(after_component(name, &it)?.strip_prefix('.')?.to_owned()));
     let Some(rest) = rest else {
         return Vec::new();
     };

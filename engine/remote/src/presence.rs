@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use asmotion_bus::Envelope;
-use asmotion_component::{Losses, State};
+use asmotion_component::{Losses, State, ThreadUse};
 use asmotion_datum::Datum;
 use asmotion_plan::{End, Part, Plan};
 use asmotion_runtime::Run;
@@ -45,6 +45,36 @@ impl RobotPresence {
     }
 }
 
+/// An operation of a running process, under one of its names.
+pub(crate) struct PresentOperationName {
+    /// `Component.service.operation`, or `name.operation` of a promoted service.
+    pub name: String,
+    /// Name of the component that provides it.
+    pub component: String,
+    /// Whether the service is promoted under this name.
+    pub is_promoted: bool,
+}
+
+/// The operations of a process: under their own names, and those of promoted services.
+pub(crate) fn operations(process: &RobotPresence) -> Vec<PresentOperationName> {
+    let mut found = Vec::new();
+    for component in &process.presence.components {
+        for service in &component.services {
+            let own = format!("{}.{}", component.name, service.name);
+            let promoted = process.presence.promoted.iter().filter(|it| it.to == own);
+            let names = promoted.map(|it| (it.from.clone(), true));
+            for (path, is_promoted) in std::iter::once((own.clone(), false)).chain(names) {
+                found.extend(service.operations.iter().map(|it| PresentOperationName {
+                    name: format!("{path}.{}", it.name),
+                    component: component.name.clone(),
+                    is_promoted,
+                }));
+            }
+        }
+    }
+    found
+}
+
 /// The routing key of a topic or address of a robot.
 pub fn key(robot: &str, name: &str) -> String {
     match robot {
@@ -63,6 +93,9 @@ pub struct Presence {
     pub process: String,
     /// `true` in the last message, when the process leaves.
     pub leaves: bool,
+    /// Number of versions that the process has changed to while it runs.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub version: u64,
     /// Components of the process, in the order of the composite.
     pub components: Vec<PresentComponent>,
     /// Topics of these components.
@@ -95,6 +128,8 @@ pub struct PresentComponent {
     pub state: String,
     /// Period in milliseconds; 0 without a period.
     pub period_ms: u64,
+    /// Its thread in real time: `own` or `shared`; empty in virtual time and from older programs.
+    pub thread: String,
     /// Number of cycles begun.
     pub cycles: u64,
     /// Cycles per second since the previous message.
@@ -107,7 +142,7 @@ pub struct PresentComponent {
     pub cycle_mean_ms: f64,
     /// Duration of the longest cycle in milliseconds.
     pub cycle_max_ms: f64,
-    /// Number of messages lost on the way to the component or dropped by it.
+    /// Number of messages lost on the way to the component or dropped by it, and of requests refused because a queue was full.
     pub dropped: u64,
     /// Number of messages ignored because their content was unsuitable.
     pub misfits: u64,
@@ -157,6 +192,9 @@ pub struct PresentService {
     pub interface: String,
     /// The operations that it provides.
     pub operations: Vec<PresentOperation>,
+    /// Number of requests refused because its queue was full; omitted if 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub refused: u64,
 }
 
 /// An operation of a service.
@@ -197,6 +235,7 @@ impl Presence {
             composite: plan.name.clone(),
             process: process.to_owned(),
             leaves: false,
+            version: 0,
             components: names
                 .iter()
                 .map(|name| PresentComponent {
@@ -288,6 +327,10 @@ impl PresentComponent {
         for (input, lost) in inputs.iter_mut().zip(run.lost(name)) {
             input.lost = lost;
         }
+        let mut services: Vec<_> = declared.services.iter().map(PresentService::of).collect();
+        for (service, refused) in services.iter_mut().zip(run.refused_requests(name)) {
+            service.refused = refused;
+        }
         let Losses { dropped, misfits } = run.losses(name);
         // a component in a long cycle is not asked twice; `after` fills in the previous values
         let properties = run.properties(name);
@@ -304,6 +347,11 @@ impl PresentComponent {
                 .map(State::to_string)
                 .unwrap_or_default(),
             period_ms: u64::try_from(run.period(name).as_millis()).unwrap_or(u64::MAX),
+            thread: run
+                .thread_use(name)
+                .as_ref()
+                .map(ThreadUse::to_string)
+                .unwrap_or_default(),
             cycles: run.cycles(name),
             rate_hz: 0.0,
             overruns: run.overruns(name),
@@ -314,7 +362,7 @@ impl PresentComponent {
             misfits,
             inputs,
             outputs: typed(&declared.outputs),
-            services: declared.services.iter().map(PresentService::of).collect(),
+            services,
             references: declared
                 .references
                 .iter()
@@ -346,6 +394,7 @@ impl PresentService {
             name: service.name.clone(),
             interface: service.interface.clone(),
             operations: operations.collect(),
+            refused: 0,
         }
     }
 }

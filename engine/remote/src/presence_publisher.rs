@@ -19,6 +19,8 @@ const PERIOD: Duration = Duration::from_secs(1);
 pub(crate) struct PresencePublisher<'p> {
     plan: Cow<'p, Plan>,
     part: Part,
+    /// Number of versions that the system has changed to.
+    version: u64,
     process: String,
     publisher: Box<dyn Publisher>,
     last_published: Option<PublishedPresence>,
@@ -48,6 +50,7 @@ impl<'p> PresencePublisher<'p> {
         Ok(Self {
             plan: Cow::Borrowed(plan),
             part,
+            version: 0,
             process: process.to_owned(),
             publisher: bus.publisher(
                 &presence_topic(process),
@@ -69,7 +72,8 @@ impl<'p> PresencePublisher<'p> {
             self.last_published = previous;
             return;
         }
-        let presence = Presence::of(&self.plan, &self.part, &self.process, run);
+        let mut presence = Presence::of(&self.plan, &self.part, &self.process, run);
+        presence.version = self.version;
         let presence = match &previous {
             Some(last) => {
                 let seconds = run_time.since(last.run_time).as_secs_f64();
@@ -90,6 +94,7 @@ impl<'p> PresencePublisher<'p> {
     pub(crate) fn follow(&mut self, plan: &Plan, part: &Part) {
         self.plan = Cow::Owned(plan.clone());
         self.part = part.clone();
+        self.version += 1;
         self.publish_soon();
     }
 

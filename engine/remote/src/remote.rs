@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 #[cfg(feature = "amqp")]
 use asmotion_amqp::{AmqpBus, AmqpSettings};
 use asmotion_bus::{
-    Bus, BusError, CallFailure, Notifier, Overflow, Pattern, Payload, QueuePolicy, Request,
-    SenderId, Subscription,
+    Bus, BusError, CallFailure, Notifier, Overflow, Pattern, Payload, PendingCall, QueuePolicy,
+    Request, SenderId, Subscription,
 };
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
@@ -16,7 +16,7 @@ use asmotion_network::call_error;
 use crate::error::RemoteError;
 use crate::levels::with_levels_left_out;
 use crate::order::{Order, OrderKind, control_address};
-use crate::presence::{RobotPresence, key};
+use crate::presence::{RobotPresence, key, operations};
 use crate::roster::{ComponentLocation, Roster, WORDS, find_component};
 
 /// Timeout of the connection to a broker.
@@ -91,6 +91,22 @@ impl Remote {
         self.complete_roster().presences(self.robot())
     }
 
+    /// The running processes, as [`processes`](Self::processes), but waits until `are_all` accepts them, at most until 4 s after the
+    /// connection: on a busy machine, a presence can be late.
+    pub fn processes_until(
+        &self,
+        are_all: impl Fn(&[RobotPresence]) -> bool,
+    ) -> Vec<RobotPresence> {
+        loop {
+            let found = self.processes();
+            let remaining = NOBODY.saturating_sub(self.0.connected_at.elapsed());
+            if remaining.is_zero() || are_all(&found) {
+                return found;
+            }
+            self.roster().listen(remaining);
+        }
+    }
+
     /// Sends an order to a component's process and waits for the reply.
     pub(crate) fn order(
         &self,
@@ -129,6 +145,20 @@ impl Remote {
         Ok(())
     }
 
+    /// Sends an order without a reply. Whether it has reached the queue of the component's process shows in the returned call, for
+    /// at most this time.
+    pub(crate) fn send_within(
+        &self,
+        of: &ComponentLocation,
+        order: OrderKind,
+        timeout: Duration,
+        notifier: Arc<Notifier>,
+    ) -> Result<PendingCall, RemoteError> {
+        let (address, order) = envelope(of, order)?;
+        let request = request(order, timeout);
+        Ok(self.0.bus.call_one_way(&address, request, notifier)?)
+    }
+
     /// Finds a component, waiting for the presence of its process if need be.
     pub(crate) fn find(&self, name: &str) -> Result<ComponentLocation, RemoteError> {
         let mut roster = self.roster();
@@ -151,13 +181,8 @@ impl Remote {
     pub fn similar_operation(&self, name: &str) -> Option<String> {
         let mut known = Vec::new();
         for presence in self.processes() {
-            for component in &presence.presence.components {
-                for service in &component.services {
-                    let path = presence.key(&format!("{}.{}", component.name, service.name));
-                    let operations = service.operations.iter();
-                    known.extend(operations.map(|operation| format!("{path}.{}", operation.name)));
-                }
-            }
+            let operations = operations(&presence).into_iter();
+            known.extend(operations.map(|it| presence.key(&it.name)));
         }
         match with_levels_left_out(name, &known).as_slice() {
             [only] => Some((*only).clone()),
@@ -173,17 +198,9 @@ impl Remote {
     pub(crate) fn provider(&self, operation: &str) -> Option<String> {
         let processes = self.processes();
         let of = |presence: &RobotPresence| {
-            let components = presence.presence.components.iter();
-            let mut serving = components.filter(|component| {
-                component.services.iter().any(|service| {
-                    let path = presence.key(&format!("{}.{}", component.name, service.name));
-                    let mut operations = service.operations.iter();
-                    operations.any(|it| format!("{path}.{}", it.name) == operation)
-                })
-            });
-            serving
-                .next()
-                .map(|component| presence.key(&component.name))
+            let mut operations = operations(presence).into_iter();
+            let served = operations.find(|it| presence.key(&it.name) == operation)?;
+            Some(presence.key(&served.component))
         };
         processes.iter().find_map(of)
     }

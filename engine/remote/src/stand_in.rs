@@ -69,7 +69,8 @@ impl StandIn {
         } = &robot_component;
         let inputs = declaration.inputs.iter().map(|port| {
             let handle = interface.input_of(&port.name, port.schema.clone(), &port.doc);
-            (port.name.clone(), handle)
+            // what the robot has not received in time, it must not receive late
+            (port.name.clone(), interface.command(handle))
         });
         let inputs = inputs.collect();
         let outputs = declaration.outputs.iter().map(|port| RelayedOutput {
@@ -211,10 +212,27 @@ impl Component for StandIn {
         }
         self.write_samples(&link, cycle);
         cycle.set_losses(link.losses());
+        cycle.set_reachable(link.absence().is_none());
         let fault = link.fault();
         self.link = Some(link);
         self.relay_requests(cycle);
         fault.map_or(Ok(()), |fault| Err(Fault::new(fault)))
+    }
+
+    fn inspect(&self) -> Vec<(String, Datum)> {
+        let RobotComponent {
+            robot, component, ..
+        } = &self.robot_component;
+        let absence = self.link.as_ref().and_then(Link::absence);
+        let state = match absence {
+            Some(absence) => format!("robot `{robot}` {absence}"),
+            None => "present".to_owned(),
+        };
+        vec![
+            ("robot".to_owned(), Datum::text(robot.as_str())),
+            ("component".to_owned(), Datum::text(component.as_str())),
+            ("presence".to_owned(), Datum::Text(state)),
+        ]
     }
 
     fn awaited_writers(&self) -> AwaitedWriters {

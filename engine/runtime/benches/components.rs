@@ -12,89 +12,20 @@
     reason = "a bench fails by panicking and prints its figures"
 )]
 
-use std::time::Duration;
+#[path = "robots/mod.rs"]
+mod robots;
 
-use asmotion_component::{Activity, Component, Cycle, Fault, In, Interface, Out, Policy};
-use asmotion_runtime::{Run, Simulation, System};
-
-asmotion_datum::message! {
-    /// A reading of a robot.
-    pub struct Reading = "bench/Reading" {
-        /// Number of readings before it.
-        pub number: i64,
-    }
-}
+use asmotion_runtime::Run;
+use robots::{PERIOD, started};
 
 /// Numbers of robots, each with two components.
 const ROBOTS: [usize; 4] = [5, 50, 500, 5000];
-/// Period of each robot's sensor.
-const PERIOD: Duration = Duration::from_millis(100);
 /// Cycles of a turn, approximately.
 const CYCLES: usize = 40_000;
 const TURNS: usize = 9;
 /// Greatest ratio of the cost of a cycle to that in the smallest system. Larger systems do not fit into the caches, which makes a
 /// cycle that does nothing nine times as expensive; a scan of all components would make it hundreds of times as expensive.
 const LIMIT: f64 = 12.0;
-
-/// Publishes a reading in each period.
-struct Sensor {
-    reading: Out<Reading>,
-    number: i64,
-}
-
-impl Component for Sensor {
-    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        self.number += 1;
-        let number = self.number;
-        cycle.write(self.reading, Reading { number });
-        Ok(())
-    }
-}
-
-/// Reads the readings of its robot, as a coordinator does.
-struct Reader {
-    reading: In<Reading>,
-    sum: i64,
-}
-
-impl Component for Reader {
-    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        if let Some(reading) = cycle.read(self.reading).new() {
-            self.sum += reading.number;
-        }
-        Ok(())
-    }
-}
-
-/// A system of so many robots, whose sensors are out of phase, after its first seconds.
-fn started(robots: usize) -> Simulation {
-    let mut system = System::new();
-    for robot in 0..robots {
-        let delay = PERIOD * u32::try_from(robot).unwrap() / u32::try_from(robots).unwrap();
-        let activity = Activity::periodic(PERIOD).delay(delay);
-        let sensor = |interface: &mut Interface| -> Box<dyn Component> {
-            let reading = interface.output("reading", "its readings");
-            Box::new(Sensor { reading, number: 0 })
-        };
-        let reader = |interface: &mut Interface| -> Box<dyn Component> {
-            let reading = interface.input("reading", "those of its robot");
-            Box::new(Reader { reading, sum: 0 })
-        };
-        let [sensor_name, reader_name] = ["Sensor", "Reader"].map(|kind| format!("{kind}{robot}"));
-        system.add(&sensor_name, activity, sensor).unwrap();
-        system.add(&reader_name, Activity::event(), reader).unwrap();
-        let topic = format!("robot{robot}/reading");
-        system
-            .publish(&format!("{sensor_name}.reading"), &topic)
-            .unwrap();
-        system
-            .subscribe(&topic, &format!("{reader_name}.reading"), Policy::data())
-            .unwrap();
-    }
-    let mut run = system.simulate();
-    run.run_for(PERIOD * 20);
-    run
-}
 
 /// CPU time of this thread in nanoseconds, which does not contain the time of other processes.
 fn cpu_time() -> u64 {

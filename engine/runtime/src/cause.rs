@@ -1,19 +1,20 @@
 //! The cause of a cycle: the trace of the message from outside that it consumed last. Publications and calls of the
 //! cycle continue this trace.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use asmotion_bus::TraceContext;
 use crossbeam_queue::ArrayQueue;
 
-/// The trace that a component's cycle continues. Never locks.
+/// The trace that a component's cycle continues. Its cycle never locks.
 ///
 /// Threads that bring messages from a bus call [`record`](Self::record); everything else is done by the component's own
 /// thread.
 pub struct CycleCause {
     /// The newest trace that arrived over a bus since the last cycle. A queue of one, because a trace is wider than an
-    /// atomic.
-    newest: ArrayQueue<TraceContext>,
+    /// atomic; made with the first trace, which most components never receive.
+    newest: OnceLock<Box<ArrayQueue<TraceContext>>>,
     /// Set after a trace was put into `newest`, cleared before it is taken. Spares cycles without a trace the memory of the
     /// queue.
     has_arrived: AtomicBool,
@@ -25,7 +26,7 @@ pub struct CycleCause {
 impl CycleCause {
     pub(crate) fn new() -> Self {
         Self {
-            newest: ArrayQueue::new(1),
+            newest: OnceLock::new(),
             has_arrived: AtomicBool::new(false),
             current: Default::default(),
         }
@@ -33,7 +34,8 @@ impl CycleCause {
 
     /// Records the trace of an arriving message. The next cycle continues it unless a newer one arrives first.
     pub fn record(&self, trace: TraceContext) {
-        self.newest.force_push(trace);
+        let newest = self.newest.get_or_init(|| Box::new(ArrayQueue::new(1)));
+        newest.force_push(trace);
         self.has_arrived.store(true, Ordering::Release);
     }
 
@@ -41,7 +43,7 @@ impl CycleCause {
     pub(crate) fn begin_cycle(&self) {
         let has_arrived = self.has_arrived.load(Ordering::Relaxed)
             && self.has_arrived.swap(false, Ordering::Acquire);
-        self.set(has_arrived.then(|| self.newest.pop()).flatten());
+        self.set(has_arrived.then(|| self.take_newest()).flatten());
     }
 
     /// Makes the trace of a consumed message that of the current cycle; `None` changes nothing.
@@ -63,20 +65,24 @@ impl CycleCause {
 
     /// Returns the trace that has arrived for the next cycle and that of the last one.
     pub(crate) fn snapshot(&self) -> [Option<TraceContext>; 2] {
-        let arrived = self.newest.pop();
-        if let Some(trace) = arrived {
-            self.newest.force_push(trace);
+        let arrived = self.take_newest();
+        if let (Some(trace), Some(newest)) = (arrived, self.newest.get()) {
+            newest.force_push(trace);
         }
         [arrived, self.current()]
     }
 
     pub(crate) fn restore(&self, [arrived, present]: [Option<TraceContext>; 2]) {
-        self.newest.pop();
+        self.take_newest();
         self.has_arrived.store(false, Ordering::Relaxed);
         if let Some(trace) = arrived {
             self.record(trace);
         }
         self.set(present);
+    }
+
+    fn take_newest(&self) -> Option<TraceContext> {
+        self.newest.get()?.pop()
     }
 
     fn set(&self, trace: Option<TraceContext>) {

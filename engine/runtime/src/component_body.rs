@@ -5,17 +5,19 @@ use std::time::Duration;
 
 use asmotion_component::{
     AnyProperty, CallId, CycleAction, CycleHost, Declaration, Fault, Interface, InterfaceParts,
-    Losses, NOTICE_REPORT, OperationSlot, PropertyError, PropertyHost, PropertyProblem, Reply,
-    RequestId, WaitingRequest, WorkPlace, suggestion_among,
+    Losses, NOTICE_REPORT, OperationSlot, PeerStatus, PropertyError, PropertyHost, PropertyProblem,
+    Reply, RequestId, WaitingRequest, WorkPlace, suggestion_among,
 };
 use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
 use asmotion_port::{AnyInput, AnyOutput, PortEffects, TooOld};
 
+use crate::added_ports::AddedPorts;
 use crate::cause::CycleCause;
 use crate::descriptor::ComponentStatus;
 use crate::effects::ComponentEffects;
 use crate::event::Event;
 use crate::later_cycle::LaterCycle;
+use crate::peers::PeerTable;
 use crate::service::{
     Admission, OutgoingCalls, ProvidedService, RequiredReference, UnheardRefusal,
 };
@@ -24,7 +26,8 @@ use crate::service::{
 pub(crate) struct ComponentBody {
     /// Number of the interface on which the handles were declared; a handle of another interface is refused.
     pub owner: u32,
-    pub declaration: Declaration,
+    /// Shared with the descriptor of the component.
+    pub declaration: Arc<Declaration>,
     pub inputs: Vec<Box<dyn AnyInput>>,
     pub outputs: Vec<Box<dyn AnyOutput>>,
     /// The topic that each output publishes to, by position of the output.
@@ -47,6 +50,8 @@ pub(crate) struct ComponentBody {
     pub cycle_duration: Duration,
     /// The cycle that the last one has requested for a later time.
     pub later: LaterCycle,
+    /// The statuses of the system's components.
+    pub peers: PeerTable,
 }
 
 impl ComponentBody {
@@ -85,7 +90,7 @@ impl ComponentBody {
                     wirings: Vec::new(),
                 })
                 .collect(),
-            declaration,
+            declaration: Arc::new(declaration),
             inputs,
             outputs,
             properties,
@@ -98,7 +103,34 @@ impl ComponentBody {
             work_place: WorkPlace::default(),
             cycle_duration: Duration::ZERO,
             later: LaterCycle::default(),
+            peers: PeerTable::default(),
         }
+    }
+
+    /// Adds ports after the present ones.
+    pub(crate) fn add_ports(&mut self, added: AddedPorts) {
+        let AddedPorts {
+            inputs,
+            outputs,
+            declared_inputs,
+            declared_outputs,
+        } = added;
+        self.topics.extend(outputs.iter().map(|_| None));
+        self.inputs.extend(inputs);
+        self.outputs.extend(outputs);
+        let declaration = Arc::make_mut(&mut self.declaration);
+        declaration.inputs.extend(declared_inputs);
+        declaration.outputs.extend(declared_outputs);
+    }
+
+    /// Removes the ports after these numbers of inputs and outputs.
+    pub(crate) fn truncate_ports(&mut self, inputs: usize, outputs: usize) {
+        self.inputs.truncate(inputs);
+        self.outputs.truncate(outputs);
+        self.topics.truncate(outputs);
+        let declaration = Arc::make_mut(&mut self.declaration);
+        declaration.inputs.truncate(inputs);
+        declaration.outputs.truncate(outputs);
     }
 
     /// Freezes the inputs, replies and requests that have arrived since the last cycle, for the next one to read. Returns the
@@ -133,6 +165,17 @@ impl ComponentBody {
         self.caller.process_replies(&self.references, effects);
         self.caller.freeze();
         implausible
+    }
+
+    /// Discards the commands that arrived while the component did not run, and reports them.
+    pub(crate) fn discard_commands(&mut self, effects: &mut ComponentEffects<'_>) {
+        let ports = self.inputs.iter_mut().zip(&self.declaration.inputs);
+        for (input, declared) in ports.filter(|(_, declared)| declared.command) {
+            if input.discard() > 0 {
+                let total = input.opener().losses().total();
+                report_discarded(&declared.name, total, effects);
+            }
+        }
     }
 
     /// Whether samples or requests have been frozen that no cycle has read.
@@ -459,6 +502,17 @@ fn report(kind: &str, data: &Datum, effects: &mut ComponentEffects<'_>) {
 fn report_too_old(port: &str, discarded: TooOld, effects: &mut ComponentEffects<'_>) {
     let TooOld { total, age, limit } = discarded;
     let reason = format!("{age:.1?} old; the limit of its connection is {limit:?}");
+    report_input_loss(port, total, reason, effects);
+}
+
+/// Reports commands that arrived before the component started.
+fn report_discarded(port: &str, total: u64, effects: &mut ComponentEffects<'_>) {
+    let reason = "arrived before the component started".to_owned();
+    report_input_loss(port, total, reason, effects);
+}
+
+/// Reports samples that an input port discarded.
+fn report_input_loss(port: &str, total: u64, reason: String, effects: &mut ComponentEffects<'_>) {
     let (component, reason) = (
         effects.name,
         DatumError::new(DatumProblem::Mismatch(reason)),
@@ -568,6 +622,14 @@ impl CycleHost for CycleBody<'_> {
 
     fn set_losses(&mut self, losses: Losses) {
         self.status.set_losses(losses);
+    }
+
+    fn peer(&self, component: &str) -> Option<PeerStatus> {
+        self.body.peers.find(component)
+    }
+
+    fn set_reachable(&mut self, is_reachable: bool) {
+        self.status.set_reachable(is_reachable);
     }
 
     fn work_place(&self) -> &WorkPlace {

@@ -24,6 +24,7 @@ use crate::component_body::{ComponentBody, CycleBody};
 use crate::descriptor::{ComponentDescriptor, ComponentStatus};
 use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
+use crate::peers::PeerTable;
 use crate::service::Admission;
 
 /// Time from the reset of an event-driven component after a fault to its next cycle.
@@ -86,7 +87,7 @@ impl ComponentUnit {
         });
         ComponentDescriptor {
             name: Arc::clone(&self.name),
-            declaration: self.body.declaration.clone(),
+            declaration: Arc::clone(&self.body.declaration),
             thread,
             master: self.master,
             openers: self
@@ -100,9 +101,18 @@ impl ComponentUnit {
             configure_on_startup: self.activity.configure_on_startup,
             run_on_startup: self.activity.run_on_startup,
             may_interrupt: self.activity.may_interrupt,
+            thread_use: self.activity.thread_use(),
             awaited_writers: self.component.awaited_writers(),
             status: Arc::clone(&self.status),
+            cause: Arc::clone(&self.body.cause),
         }
+    }
+
+    /// Adds the component to the table of its system, which its cycles read from now on.
+    pub(crate) fn join(&mut self, peers: &PeerTable) {
+        let (name, status) = (Arc::clone(&self.name), Arc::clone(&self.status));
+        peers.insert(self.index, name, status);
+        self.body.peers = peers.clone();
     }
 
     pub(crate) fn state(&self) -> State {
@@ -361,6 +371,10 @@ impl ComponentUnit {
         self.status.set_target(target);
         match self.run_hook(transition, now, effects) {
             Ok(()) => {
+                if transition == Transition::Start {
+                    let mut own = component_effects(&self.name, self.index, now, effects);
+                    self.body.discard_commands(&mut own);
+                }
                 self.complete_transition(transition, target, now, effects);
                 Ok(())
             }

@@ -10,6 +10,7 @@ use asmotion_port::{
 
 use crate::build_error::BuildError;
 use crate::component_end::ComponentEnd;
+use crate::opened_end::OpenedEnd;
 use crate::topic::SystemTopic;
 
 /// All connections of a system. Owned by the executor's thread; components hold only the ends.
@@ -21,9 +22,23 @@ pub(crate) struct ConnectionTable {
     direct: Vec<(ConnectionId, ComponentEnd, ComponentEnd)>,
     /// Connections of publishers to subscribers, with their ends.
     by_topic: Vec<(ConnectionId, ComponentEnd, ComponentEnd)>,
-    /// The topics of a running system; `None` if adapters connect them.
-    pub topics: Option<Vec<SystemTopic>>,
+    /// The topics of a running system.
+    pub topics: Vec<SystemTopic>,
+    /// Adapters, not the system itself, connect publishers and subscribers.
+    pub topics_outside: bool,
+    /// What adapters have opened for ends of components.
+    pub outer_ends: Vec<HeldEnd>,
     queues: Vec<CommonQueue>,
+}
+
+/// What an adapter has opened for an end of a component. Dropping it closes the end outside.
+pub(crate) struct HeldEnd {
+    pub end: ComponentEnd,
+    /// Name of the end outside, for example `topic scan`.
+    pub outside: String,
+    /// The connection from outside into an input.
+    pub connection: Option<ConnectionId>,
+    pub opened: Box<dyn OpenedEnd>,
 }
 
 /// A queue that several connections share.
@@ -146,18 +161,24 @@ impl ConnectionTable {
         Some(self.removed(connection, (from, to), false))
     }
 
-    /// Position of a topic, which is created if need be; `None` if adapters connect the topics.
-    pub(crate) fn topic_index(&mut self, name: &str) -> Option<usize> {
-        let topics = self.topics.as_mut()?;
+    /// Position of a topic, which is created if need be.
+    pub(crate) fn topic_index(&mut self, name: &str) -> usize {
+        let topics = &mut self.topics;
         let found = topics.iter().position(|topic| topic.name == name);
-        Some(found.unwrap_or_else(|| {
+        found.unwrap_or_else(|| {
             topics.push(SystemTopic {
                 name: name.to_owned(),
                 publishers: Vec::new(),
                 subscribers: Vec::new(),
             });
             topics.len() - 1
-        }))
+        })
+    }
+
+    /// The end of a component that is joined to this end outside.
+    pub(crate) fn outer_end(&self, end: &ComponentEnd, outside: &str) -> Option<&HeldEnd> {
+        let mut held = self.outer_ends.iter();
+        held.find(|it| it.end == *end && it.outside == outside)
     }
 
     /// Adds a connection of a publisher to a subscriber to the table.

@@ -1,5 +1,6 @@
 //! State shared by all threads of a live system: the clock, the wakers, and the observers' queue.
 
+mod bell;
 mod events;
 mod waker;
 
@@ -9,8 +10,9 @@ use std::time::Instant;
 
 use asmotion_port::Time;
 
+pub(crate) use self::bell::ExecutorBell;
 pub(crate) use self::events::EventQueue;
-pub(crate) use self::waker::ThreadWaker;
+pub(crate) use self::waker::{ThreadWaker, WakeTarget};
 use crate::effects::Effects;
 use crate::event::Event;
 use crate::growing_table::GrowingTable;

@@ -4,10 +4,13 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_component::{AwaitedWriters, Declaration, Fault, Losses, State, Transition, Wire};
+use asmotion_component::{
+    AwaitedWriters, Declaration, Fault, Losses, PeerStatus, State, ThreadUse, Transition, Wire,
+};
 use asmotion_port::ChannelOpener;
 use serde::{Deserialize, Serialize};
 
+use crate::cause::CycleCause;
 use crate::service::RequestQueue;
 
 /// Duration of a component's cycles, on the clock it runs by.
@@ -31,7 +34,7 @@ impl CycleTime {
 /// status.
 pub(crate) struct ComponentDescriptor {
     pub name: Arc<str>,
-    pub declaration: Declaration,
+    pub declaration: Arc<Declaration>,
     /// Position of the component in whose thread this one cycles: its own, unless it is a slave.
     pub thread: usize,
     /// Position of the component after which this one cycles; `None` unless it is a slave.
@@ -45,9 +48,13 @@ pub(crate) struct ComponentDescriptor {
     pub configure_on_startup: bool,
     pub run_on_startup: bool,
     pub may_interrupt: bool,
+    /// The thread of a live system in which it cycles.
+    pub thread_use: ThreadUse,
     /// The writers that stop before this component.
     pub awaited_writers: AwaitedWriters,
     pub status: Arc<ComponentStatus>,
+    /// The cause of the component's cycles.
+    pub cause: Arc<CycleCause>,
 }
 
 /// The changing facts about a component.
@@ -71,6 +78,8 @@ pub(crate) struct ComponentStatus {
     /// Set by the executor when the component is to stop and allows interruption of its cycles; read by the cycle;
     /// cleared by the component's thread at the next start.
     pub interrupt: AtomicBool,
+    /// What the component stands for cannot be reached.
+    unreachable: AtomicBool,
     dropped: AtomicU64,
     misfits: AtomicU64,
     /// Number of samples that input ports refused for their values.
@@ -89,6 +98,7 @@ pub(crate) struct StatusSnapshot {
     late: u64,
     cycle_time: CycleTime,
     interrupt: bool,
+    unreachable: bool,
     losses: Losses,
     refused: u64,
     fault: Option<Fault>,
@@ -106,12 +116,17 @@ impl ComponentDescriptor {
         self.openers.iter().map(|opener| opener.losses().total())
     }
 
-    /// The component's losses, including the messages lost on the way into its inputs.
+    /// Number of requests refused because the queue of the service was full, by position.
+    pub(crate) fn refused_requests(&self) -> impl Iterator<Item = u64> {
+        self.queues.iter().map(|queue| queue.refused())
+    }
+
+    /// The component's losses, including the messages lost on the way into its inputs, and refused requests.
     pub(crate) fn losses(&self) -> Losses {
         let Losses { dropped, misfits } = self.status.reported();
         let refused = self.status.refused.load(Ordering::Relaxed);
         Losses {
-            dropped: dropped + self.lost().sum::<u64>(),
+            dropped: dropped + self.lost().chain(self.refused_requests()).sum::<u64>(),
             misfits: misfits + refused,
         }
     }
@@ -136,6 +151,7 @@ impl ComponentStatus {
             spent: AtomicU64::new(0),
             longest: AtomicU64::new(0),
             interrupt: AtomicBool::new(false),
+            unreachable: AtomicBool::new(false),
             dropped: AtomicU64::new(0),
             misfits: AtomicU64::new(0),
             refused: AtomicU64::new(0),
@@ -166,6 +182,18 @@ impl ComponentStatus {
     /// Returns whether a cycle under way should return early.
     pub(crate) fn is_interrupted(&self) -> bool {
         self.interrupt.load(Ordering::Relaxed)
+    }
+
+    /// The part of the status that other components see.
+    pub(crate) fn as_peer(&self) -> PeerStatus {
+        PeerStatus {
+            state: self.state(),
+            is_reachable: !self.unreachable.load(Ordering::Relaxed),
+        }
+    }
+
+    pub(crate) fn set_reachable(&self, is_reachable: bool) {
+        self.unreachable.store(!is_reachable, Ordering::Relaxed);
     }
 
     /// Adds a cycle's duration to the statistics.
@@ -218,6 +246,7 @@ impl ComponentStatus {
             late: self.late.load(Ordering::Relaxed),
             cycle_time: self.cycle_time(),
             interrupt: self.is_interrupted(),
+            unreachable: !self.as_peer().is_reachable,
             losses: self.reported(),
             refused: self.refused.load(Ordering::Relaxed),
             fault: self.fault().clone(),
@@ -235,6 +264,7 @@ impl ComponentStatus {
         self.spent.store(nanos(total), Ordering::Relaxed);
         self.longest.store(nanos(longest), Ordering::Relaxed);
         self.interrupt.store(snapshot.interrupt, Ordering::Relaxed);
+        self.set_reachable(!snapshot.unreachable);
         self.set_losses(snapshot.losses);
         self.refused.store(snapshot.refused, Ordering::Relaxed);
         self.fault().clone_from(&snapshot.fault);

@@ -138,15 +138,16 @@ pub enum Event<'a> {
         /// The refused setting, the reason and a remedy.
         denied: &'a Denied,
     },
-    /// A connection dropped a sample because it was full or could not carry the sample.
+    /// A connection dropped a sample because it was full or could not carry the sample, or a service refused a request because
+    /// its queue was full.
     Dropped {
         /// Name of the writing component; empty if the writer is outside the system.
         component: &'a str,
-        /// Name of the output port.
+        /// Name of the output port, or of the reference.
         port: &'a str,
-        /// The connection's reading end.
+        /// The connection's reading end, or the service.
         to: &'a str,
-        /// Number of samples that this connection has dropped so far.
+        /// Number of samples that this connection has dropped so far, or of requests that the service has refused.
         total: u64,
         /// Reason that the reader cannot read the sample; `None` if the connection was full.
         reason: Option<&'a DatumError>,

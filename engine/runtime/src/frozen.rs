@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use sample::{FrozenSample, SampleNames};
 
 /// Layout version of frozen systems; must be incremented with each change.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The state of a simulation between two steps, as bytes. Simulations with equal states run identically from there on.
 ///

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use asmotion_component::suggestion_among;
 use asmotion_datum::{DatumError, Sample};
 use asmotion_port::{
-    AnySender, ConnectionId, LossCounter, Policy, PushOutcome, ReadingEnd, SampleSnapshot, Time,
+    AnySender, ChannelOpener, ConnectionId, Lock, LossCounter, Policy, PushOutcome, ReadingEnd,
+    SampleSnapshot, Time,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::component_end::ComponentEnd;
 use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::effects::Effects;
@@ -196,6 +198,23 @@ impl InjectionPorts {
         }
     }
 
+    /// The connections into an input by a topic.
+    pub(crate) fn by_topic(&self, topic: &str, input: &str) -> Vec<ConnectionId> {
+        let topics = self.topics.iter().filter(|(known, _)| known == topic);
+        let ports = topics.flat_map(|(_, ports)| ports);
+        let ports = ports.filter(|port| port.name == input);
+        ports.map(InjectionPort::connection).collect()
+    }
+
+    /// Closes the ports into an input that no longer subscribes to a topic.
+    pub(crate) fn close_topic(&mut self, topic: &str, input: &str) {
+        for (known, ports) in &mut self.topics {
+            if known == topic {
+                ports.retain(|port| port.name != input);
+            }
+        }
+    }
+
     /// Iterates over all injection ports in order of creation.
     pub(crate) fn all(&self) -> impl Iterator<Item = &InjectionPort> {
         let of_topics = self.topics.iter().flat_map(|(_, ports)| ports);
@@ -253,24 +272,54 @@ impl InjectionPort {
         marked: impl Fn(ReadingEnd) -> ReadingEnd,
     ) -> Option<Self> {
         let port = unit.body.declaration.inputs.get(index)?;
+        let name = format!("{}.{}", unit.name, port.name);
+        let expected = port.schema.to_string();
         let input = unit.body.inputs.get_mut(index)?;
         let opener = input.opener();
-        let (sender, reading_end) = opener.open(connection, &policy.for_external(), None).ok()?;
+        let policy = policy.for_external();
+        let opened = match policy.lock {
+            Lock::LockFree if !policy.pull => opener.open_on_demand(connection, &policy),
+            Lock::LockFree | Lock::Locked | Lock::Unsync => opener.open(connection, &policy, None),
+        };
+        let (sender, reading_end) = opened.ok()?;
         input.connect(marked(reading_end));
         Some(Self {
-            name: format!("{}.{}", unit.name, port.name),
+            name,
             component: unit.index,
             connection,
             trigger: policy.trigger,
-            expected: port.schema.to_string(),
+            expected,
             sender: Some(sender),
             dropped: 0,
             losses: opener.losses(),
         })
     }
 
+    /// Opens a connection into an input of a component that other threads may own: the input's thread connects the reading
+    /// end. Returns `None` if the policy asks for zeros that the type does not have.
+    pub(crate) fn opened(
+        end: &ComponentEnd,
+        expected: String,
+        policy: &Policy,
+        connection: ConnectionId,
+        opener: &dyn ChannelOpener,
+    ) -> Option<(Self, ReadingEnd)> {
+        let (sender, reading_end) = opener.open(connection, &policy.for_external(), None).ok()?;
+        let port = Self {
+            name: end.name.clone(),
+            component: end.unit,
+            connection,
+            trigger: policy.trigger,
+            expected,
+            sender: Some(sender),
+            dropped: 0,
+            losses: opener.losses(),
+        };
+        Some((port, reading_end))
+    }
+
     /// Returns the connection into the input port.
-    pub(crate) fn connection(&self) -> ConnectionId {
+    pub fn connection(&self) -> ConnectionId {
         self.connection
     }
 

@@ -6,6 +6,7 @@
 //! bus.
 
 mod adapter;
+mod added_ports;
 mod build_error;
 mod cause;
 mod component_body;
@@ -24,6 +25,9 @@ mod injection;
 mod later_cycle;
 mod live;
 mod log;
+mod opened_end;
+mod outer_end;
+mod peers;
 mod run;
 mod run_error;
 mod service;
@@ -47,6 +51,8 @@ pub use health::{HealthTopic, publish_without_bus};
 pub use injection::{InjectionPort, InjectionPorts, InjectionTarget};
 pub use live::Live;
 pub use log::Log;
+pub use opened_end::OpenedEnd;
+pub use outer_end::{OuterEnd, OuterInput, OuterOutput, OuterService};
 pub use run::{
     ADDITION_REPORT, Asked, Change, ChangeError, ComponentAddition, PortReader, PortSubscription,
     PortWriter, Replacement, Run, SentCall, WriteError,

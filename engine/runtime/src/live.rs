@@ -1,30 +1,40 @@
-//! Live: a thread for each component and its slaves, absolute deadlines on a monotonic clock.
+//! Live: absolute deadlines on a monotonic clock, with threads for components that need one, and executor threads for the others.
 //!
-//! A component's thread sleeps until its period has passed or new data arrive; it never waits for another component.
+//! A component and its slaves form a group. A group with real-time demands ([`Activity::thread_use`]) has a thread of its own; all
+//! others take turns in a few [executor threads](executor_threads). A group sleeps until its period has passed or new data
+//! arrive; it never waits for another component.
+//!
+//! [`Activity::thread_use`]: asmotion_component::Activity::thread_use
 //! Events reach the observers through a bounded queue, which is drained while the owner of the run lets time pass.
 
 mod bus_thread;
+mod executor_threads;
+mod group;
 mod schedule;
+mod seat_schedule;
 mod worker;
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use asmotion_component::WorkPlace;
+use asmotion_component::{ThreadUse, WorkPlace};
 use asmotion_datum::Sample;
 use asmotion_port::Time;
 
 use self::bus_thread::BusThread;
-use self::worker::{Worker, WorkerCommand};
+use self::executor_threads::ExecutorThreads;
+use self::group::{ComponentGroup, WorkerCommand};
 use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
-use crate::context::{EventQueue, LiveContext};
+use crate::context::{EventQueue, LiveContext, WakeTarget};
 use crate::descriptor::ComponentDescriptor;
 use crate::event::{Event, Observer};
 use crate::handle::RunHandle;
 use crate::health;
 use crate::injection::{InjectionPorts, InjectionTarget};
+use crate::peers::PeerTable;
 use crate::run::{Act, Executor, Watch};
 use crate::stream::{SinkThread, SourceThreads};
 use crate::system::System;
@@ -39,10 +49,13 @@ pub struct Live {
     observers: Vec<Box<dyn Observer>>,
     descriptors: Vec<ComponentDescriptor>,
     connections: ConnectionTable,
-    /// One for each component that is not a slave.
-    threads: Vec<Thread>,
+    peers: PeerTable,
+    /// The groups, each with the component that is not a slave.
+    groups: Vec<LiveGroup>,
+    /// Run the groups without a thread of their own.
+    executor: ExecutorThreads,
     /// Threads of components whose addition is not certain yet.
-    new_threads: Vec<Thread>,
+    new_threads: Vec<LiveGroup>,
     /// Threads of removed components, which end after their current cycle, and of abandoned ones.
     ending: Vec<JoinHandle<()>>,
     injections: InjectionPorts,
@@ -57,16 +70,20 @@ pub struct Live {
     sources: Option<SourceThreads>,
 }
 
-/// The thread of a component and its slaves.
-struct Thread {
+/// A component and its slaves, as the run's owner sees them.
+struct LiveGroup {
     /// Position of the component that is not a slave.
     component: usize,
     commands: mpsc::Sender<WorkerCommand>,
-    handle: Option<JoinHandle<()>>,
+    /// What receives the commands; `None` if its thread could not be started.
+    target: Option<WakeTarget>,
+    /// The group's own thread; `None` among the executor threads.
+    thread: Option<JoinHandle<()>>,
 }
 
 impl System {
-    /// Starts the system in real time, with a thread for each component that is not a slave.
+    /// Starts the system in real time. Components without real-time demands share a few executor threads; each of the others has a
+    /// thread, as its [`thread_use`](asmotion_component::Activity::thread_use) says.
     ///
     /// Configures every component, then starts those with `run_on_startup`, and only then begins their cycles, all at
     /// the same time: the first cycle of each sees the others running, as in [`simulate`](Self::simulate). A component
@@ -78,7 +95,7 @@ impl System {
 
 impl Live {
     fn new(mut system: System) -> Self {
-        let descriptors = system.begin_run();
+        let mut descriptors = system.begin_run();
         let System {
             mut units,
             observers,
@@ -88,6 +105,7 @@ impl Live {
             sinks,
             streams,
             mut connections,
+            peers,
             topics_outside,
             ..
         } = system;
@@ -97,8 +115,10 @@ impl Live {
         for unit in &mut units {
             unit.body.work_place = work_place(&context, unit.index);
         }
+        let executor = ExecutorThreads::new(context.clone());
         let mut live = Self {
-            threads: spawn_threads(units, &descriptors, &context),
+            groups: start_groups(units, &mut descriptors, &context, &executor),
+            executor,
             new_threads: Vec::new(),
             ending: Vec::new(),
             context,
@@ -106,6 +126,7 @@ impl Live {
             observers,
             descriptors,
             connections,
+            peers,
             injections,
             planned: Vec::new(),
             grace_period: Duration::from_secs(5),
@@ -127,7 +148,8 @@ impl Live {
         if !streams.is_empty() {
             live.sources = Some(SourceThreads::new(streams, &live.context));
         }
-        live.connections.topics = (!topics_outside && live.bus_thread.is_none()).then_some(topics);
+        live.connections.topics = topics;
+        live.connections.topics_outside = topics_outside;
         live.release();
         live
     }
@@ -135,8 +157,8 @@ impl Live {
     /// Begins the cycles of all components at the same time.
     fn release(&mut self) {
         let now = self.context.now();
-        for thread in &self.threads {
-            thread.send(WorkerCommand::Release(now));
+        for group in &self.groups {
+            group.send(WorkerCommand::Release(now));
         }
     }
 
@@ -182,52 +204,87 @@ fn work_place(context: &LiveContext, component: usize) -> WorkPlace {
     WorkPlace::Thread(Arc::new(move || waker.request_cycle()))
 }
 
-/// Starts one thread for each component that is not a slave; its slaves follow in order of addition.
-fn spawn_threads(
+/// Starts the group of each component that is not a slave; its slaves follow in order of addition.
+fn start_groups(
     units: Vec<ComponentUnit>,
-    descriptors: &[ComponentDescriptor],
+    descriptors: &mut [ComponentDescriptor],
     context: &LiveContext,
-) -> Vec<Thread> {
-    let mut groups: Vec<(usize, Vec<ComponentUnit>)> = Vec::new();
+    executor: &ExecutorThreads,
+) -> Vec<LiveGroup> {
+    let mut groups: BTreeMap<usize, Vec<ComponentUnit>> = BTreeMap::new();
     for unit in units {
         let component = descriptors[unit.index].thread;
-        match groups.iter_mut().find(|(known, _)| *known == component) {
-            Some((_, group)) => group.push(unit),
-            None => groups.push((component, vec![unit])),
-        }
+        groups.entry(component).or_default().push(unit);
     }
-    let groups = groups.into_iter();
-    groups
-        .map(|(component, group)| {
-            Thread::new(component, group, &descriptors[component].name, context)
-        })
-        .collect()
+    let start = |(component, group): (usize, Vec<ComponentUnit>)| {
+        let needs = |it: &ComponentUnit| it.activity.thread_use() == ThreadUse::Own;
+        if !group.iter().any(needs) {
+            return LiveGroup::shared(component, group, context, executor);
+        }
+        for unit in &group {
+            descriptors[unit.index].thread_use = ThreadUse::Own;
+        }
+        let name = Arc::clone(&descriptors[component].name);
+        LiveGroup::alone(component, group, &name, context)
+    };
+    groups.into_iter().map(start).collect()
 }
 
-impl Thread {
-    fn new(component: usize, group: Vec<ComponentUnit>, name: &str, context: &LiveContext) -> Self {
+impl LiveGroup {
+    /// Starts a group in a thread of its own. Without components, it waits for one to be adopted.
+    fn alone(
+        component: usize,
+        units: Vec<ComponentUnit>,
+        name: &str,
+        context: &LiveContext,
+    ) -> Self {
         let (commands, queue) = mpsc::channel();
-        let wakers: Vec<_> = group.iter().map(|unit| context.waker(unit.index)).collect();
-        let worker = Worker::new(group, &wakers, queue, context.clone());
+        let members: Vec<usize> = units.iter().map(|unit| unit.index).collect();
+        let group = ComponentGroup::new(units, queue, context.clone());
         let builder = std::thread::Builder::new().name(name.to_owned());
-        let handle = builder.spawn(move || worker.run()).ok();
-        if let Some(handle) = &handle {
-            for waker in &wakers {
-                waker.set_thread(handle.thread().clone());
+        let in_thread = context.clone();
+        let thread = builder.spawn(move || worker::run(group, in_thread)).ok();
+        let handle = thread.as_ref().map(JoinHandle::thread);
+        let target = |thread: &std::thread::Thread| WakeTarget::Thread(thread.clone());
+        for member in members {
+            if let Some(thread) = handle {
+                context.waker(member).set_target(target(thread));
             }
         }
         Self {
             component,
             commands,
-            handle,
+            target: handle.map(target),
+            thread,
+        }
+    }
+
+    /// Starts a group among the executor threads.
+    fn shared(
+        component: usize,
+        units: Vec<ComponentUnit>,
+        context: &LiveContext,
+        executor: &ExecutorThreads,
+    ) -> Self {
+        let (commands, queue) = mpsc::channel();
+        let members: Vec<usize> = units.iter().map(|unit| unit.index).collect();
+        let seat = executor.add(ComponentGroup::new(units, queue, context.clone()));
+        for member in members {
+            context.waker(member).set_target(executor.target(seat));
+        }
+        Self {
+            component,
+            commands,
+            target: Some(executor.target(seat)),
+            thread: None,
         }
     }
 
     fn send(&self, command: WorkerCommand) {
-        // fails if the thread has ended, in which case there is nothing left to do
+        // fails if the group has ended, in which case there is nothing left to do
         let _ = self.commands.send(command);
-        if let Some(handle) = &self.handle {
-            handle.thread().unpark();
+        if let Some(target) = &self.target {
+            target.wake();
         }
     }
 }
@@ -272,7 +329,7 @@ impl Executor for Live {
         let thread = match threads.position(|it| it.component == component) {
             Some(thread) => thread,
             None => {
-                let thread = Thread::new(component, Vec::new(), name, &self.context);
+                let thread = LiveGroup::alone(component, Vec::new(), name, &self.context);
                 self.new_threads.push(thread);
                 self.new_threads.len() - 1
             }
@@ -291,39 +348,49 @@ impl Executor for Live {
     fn abandon_new(&mut self) {
         for thread in self.new_threads.drain(..) {
             thread.send(WorkerCommand::End);
-            self.ending.extend(thread.handle);
+            self.ending.extend(thread.thread);
         }
     }
 
-    fn adopt(&mut self, unit: ComponentUnit) {
+    fn adopt(&mut self, mut unit: ComponentUnit) {
+        unit.join(&self.peers);
         let (component, name) = (unit.index, Arc::clone(&unit.name));
         let mut threads = self.new_threads.iter();
-        let thread = match threads.position(|it| it.component == component) {
-            Some(thread) => {
-                let thread = self.new_threads.remove(thread);
-                if let Some(handle) = &thread.handle {
-                    let waker = self.context.waker(component);
-                    waker.set_thread(handle.thread().clone());
+        let prepared = threads.position(|it| it.component == component);
+        let prepared = prepared.map(|it| self.new_threads.remove(it));
+        let group = match (unit.activity.thread_use(), prepared) {
+            (ThreadUse::Own, Some(group)) => {
+                if let Some(handle) = &group.thread {
+                    let target = WakeTarget::Thread(handle.thread().clone());
+                    self.context.waker(component).set_target(target);
                 }
-                thread.send(WorkerCommand::Adopt(Box::new(unit)));
-                thread
+                group.send(WorkerCommand::Adopt(Box::new(unit)));
+                group
             }
-            None => Thread::new(component, vec![unit], &name, &self.context),
+            (ThreadUse::Own, None) => LiveGroup::alone(component, vec![unit], &name, &self.context),
+            (ThreadUse::Shared, prepared) => {
+                if let Some(prepared) = prepared {
+                    prepared.send(WorkerCommand::End);
+                    self.ending.extend(prepared.thread);
+                }
+                LiveGroup::shared(component, vec![unit], &self.context, &self.executor)
+            }
         };
-        thread.send(WorkerCommand::Release(self.context.now()));
-        self.threads.push(thread);
+        group.send(WorkerCommand::Release(self.context.now()));
+        self.groups.push(group);
     }
 
     fn vacate(&mut self, component: usize) {
+        self.peers.remove(component);
         let thread = self.descriptors[component].thread;
-        let Some(index) = self.threads.iter().position(|it| it.component == thread) else {
+        let Some(index) = self.groups.iter().position(|it| it.component == thread) else {
             return;
         };
-        self.threads[index].send(WorkerCommand::Remove(component));
+        self.groups[index].send(WorkerCommand::Remove(component));
         if thread == component {
-            let thread = self.threads.remove(index);
+            let group = self.groups.remove(index);
             self.ending.retain(|ending| !ending.is_finished());
-            self.ending.extend(thread.handle);
+            self.ending.extend(group.thread);
         }
     }
 
@@ -377,9 +444,15 @@ impl Executor for Live {
 
     fn submit(&mut self, component: usize, act: Act) {
         let thread = self.descriptors[component].thread;
-        if let Some(thread) = self.threads.iter().find(|one| one.component == thread) {
-            thread.send(WorkerCommand::Act(component, act));
+        // in order of addition
+        let found = self.groups.binary_search_by_key(&thread, |it| it.component);
+        if let Ok(group) = found {
+            self.groups[group].send(WorkerCommand::Act(component, act));
         }
+    }
+
+    fn has_threads(&self) -> bool {
+        true
     }
 }
 
@@ -392,18 +465,21 @@ impl Drop for Live {
         self.bus_thread = None;
         self.notify_observers(&mut None);
         self.context.end();
-        for thread in &self.threads {
-            thread.send(WorkerCommand::End);
+        for group in &self.groups {
+            group.send(WorkerCommand::End);
         }
+        self.executor.end();
         let patience = if late.is_empty() {
             self.grace_period
         } else {
             NAP
         };
         let until = self.context.now() + patience;
-        let handles = self.threads.iter().filter_map(|it| it.handle.as_ref());
+        let handles = self.groups.iter().filter_map(|it| it.thread.as_ref());
         let handles = handles.chain(&self.ending);
-        while handles.clone().any(|it| !it.is_finished()) && self.context.now() < until {
+        let are_finished =
+            || handles.clone().all(JoinHandle::is_finished) && self.executor.are_finished();
+        while !are_finished() && self.context.now() < until {
             std::thread::sleep(Duration::from_millis(1));
         }
     }

@@ -5,18 +5,20 @@ mod asked;
 mod call;
 mod change;
 mod executor;
+mod joining;
 mod reader;
 mod removal;
 mod replacement;
 mod run_impl;
 mod stop_order;
+mod topic_change;
 mod writer;
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_component::{
-    CallError, Declaration, Fault, LifeCycleError, Losses, Operation, State, Transition,
+    CallError, Declaration, Fault, LifeCycleError, Losses, Operation, State, ThreadUse, Transition,
 };
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_port::{Policy, Time};
@@ -183,6 +185,9 @@ pub trait Run {
     /// Current period of a component; zero without a period.
     fn period(&self, component: &str) -> Duration;
 
+    /// The thread in which a component cycles; `None` in virtual time, which has one thread, and without such a component.
+    fn thread_use(&self, component: &str) -> Option<ThreadUse>;
+
     /// Number of periods that a component has missed.
     fn overruns(&self, component: &str) -> u64;
 
@@ -192,12 +197,17 @@ pub trait Run {
     /// Statistics of the duration of a component's cycles.
     fn cycle_time(&self, component: &str) -> CycleTime;
 
-    /// The losses of a component: messages dropped on the way into its inputs, and those that it has reported.
+    /// The losses of a component: messages dropped on the way into its inputs, requests refused by its services because their
+    /// queues were full, and losses that it has reported.
     fn losses(&self, component: &str) -> Losses;
 
     /// Number of messages lost on the way into each input of a component, in order of declaration; empty if there is no such
     /// component.
     fn lost(&self, component: &str) -> Vec<u64>;
+
+    /// Number of requests that each service of a component refused because its queue was full, in order of declaration; empty if
+    /// there is no such component.
+    fn refused_requests(&self, component: &str) -> Vec<u64>;
 
     /// The newest fault of a component; `None` if it never failed.
     fn fault(&self, component: &str) -> Option<Fault>;

@@ -29,6 +29,7 @@ use crate::event::{Event, Observer};
 use crate::handle::RunHandle;
 use crate::health;
 use crate::injection::{InjectionPorts, InjectionTarget};
+use crate::peers::PeerTable;
 use crate::run::{Act, Executor, Watch};
 use crate::system::System;
 
@@ -37,6 +38,7 @@ pub struct Simulation {
     units: Vec<ComponentUnit>,
     descriptors: Vec<ComponentDescriptor>,
     connections: ConnectionTable,
+    peers: PeerTable,
     timeline: Timeline,
     injections: InjectionPorts,
     adapters: Vec<Box<dyn Adapter>>,
@@ -61,6 +63,7 @@ impl Simulation {
             topics,
             adapters,
             mut connections,
+            peers,
             topics_outside,
             ..
         } = system;
@@ -70,6 +73,7 @@ impl Simulation {
             units,
             descriptors,
             connections,
+            peers,
             injections,
             adapters,
             pacer: None,
@@ -80,8 +84,8 @@ impl Simulation {
             let mut effects = simulation.timeline.effects(None);
             health::publish_without_bus(&topics, &mut simulation.injections, now, &mut effects);
         }
-        let is_inside = !topics_outside && simulation.adapters.is_empty();
-        simulation.connections.topics = is_inside.then_some(topics);
+        simulation.connections.topics = topics;
+        simulation.connections.topics_outside = topics_outside;
         simulation
     }
 
@@ -213,7 +217,12 @@ impl Executor for Simulation {
 
     fn abandon_new(&mut self) {}
 
-    fn adopt(&mut self, unit: ComponentUnit) {
+    fn has_threads(&self) -> bool {
+        false
+    }
+
+    fn adopt(&mut self, mut unit: ComponentUnit) {
+        unit.join(&self.peers);
         self.timeline.add(&unit);
         if unit.state().is_running() {
             self.timeline.schedule_first(&unit, Duration::ZERO);
@@ -224,6 +233,7 @@ impl Executor for Simulation {
     }
 
     fn vacate(&mut self, component: usize) {
+        self.peers.remove(component);
         self.units[component] = ComponentUnit::vacant(component);
         self.timeline.vacate(component);
     }

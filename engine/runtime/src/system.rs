@@ -20,6 +20,7 @@ use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
 use crate::event::Observer;
+use crate::peers::PeerTable;
 use crate::stream::{SinkStream, SourceStream};
 use crate::topic::SystemTopic;
 
@@ -77,6 +78,8 @@ pub struct System {
     /// Wakes the thread that calls the adapters.
     pub(crate) notifier: Arc<Notifier>,
     pub(crate) connections: ConnectionTable,
+    /// The statuses of the components.
+    pub(crate) peers: PeerTable,
     /// Upkeeps of sinks.
     pub(crate) sinks: Vec<SinkStream>,
     /// Sources and the inputs that they feed.
@@ -135,7 +138,8 @@ impl System {
         let body = ComponentBody::new(interface, index);
         let name = Arc::from(name);
         self.positions.insert(Arc::clone(&name), index);
-        let unit = ComponentUnit::new(name, index, activity, component, body);
+        let mut unit = ComponentUnit::new(name, index, activity, component, body);
+        unit.join(&self.peers);
         self.units.push(unit);
         Ok(ComponentId(index))
     }
@@ -148,7 +152,7 @@ impl System {
     /// The declaration of a component.
     pub fn declaration(&self, component: ComponentId) -> Option<&Declaration> {
         let unit = self.units.get(component.0);
-        unit.map(|unit| &unit.body.declaration)
+        unit.map(|unit| &*unit.body.declaration)
     }
 
     /// Sets a property after checking the value against its type, range and choices.
@@ -187,7 +191,9 @@ impl System {
             output: end.name,
             source,
         })?;
-        body.declaration.outputs[end.index].safe = Some(sample.clone());
+        // not shared before the run begins
+        let declaration = Arc::make_mut(&mut body.declaration);
+        declaration.outputs[end.index].safe = Some(sample.clone());
         Ok(())
     }
 

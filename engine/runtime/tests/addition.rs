@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::common::{Double, Number, behaviour, counter, doubler, in_real_time, number, run_until};
 use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Freeze, HEALTH_TOPIC, In, Interface, Out, Policy,
-    Setup, Span, State, Transition, Wire, freeze_by_fields,
+    Setup, Span, State, ThreadUse, Transition, Wire, freeze_by_fields,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{
@@ -675,7 +675,7 @@ fn c18_many_additions_and_removals_leave_nothing_behind() {
 fn c18_a_slave_and_its_master_are_removed_with_their_thread() {
     let mut built = System::new();
     for name in ["Hare", "Tortoise"] {
-        let activity = Activity::periodic(1.ms());
+        let activity = Activity::periodic(1.ms()).thread(ThreadUse::Own);
         built.add(name, activity, counter()).unwrap();
     }
     built.add_slave("Tortoise", "Hare").unwrap();
@@ -792,7 +792,7 @@ fn c18_a_component_that_takes_too_long_to_configure_is_not_added() {
     let (threads, cleanups) = (Arc::default(), Arc::new(AtomicU32::new(0)));
     let slow = |pause: Duration| {
         let (threads, cleanups) = (Arc::clone(&threads), Arc::clone(&cleanups));
-        let activity = Activity::periodic(2.ms());
+        let activity = Activity::periodic(2.ms()).thread(ThreadUse::Own);
         addition(
             "Slow",
             ComponentAddition::new("a test", activity, move |_: &mut Interface| {

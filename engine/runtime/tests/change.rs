@@ -381,7 +381,7 @@ fn c18_a_component_of_another_kind_or_interface_replaces_none() {
     let refused = [
         (
             "Idler",
-            "it uses other ports, services or operations, which needs a new start",
+            "it uses other services, operations or message types, which needs a new start",
         ),
         ("Three", "unknown component `Three`"),
     ];

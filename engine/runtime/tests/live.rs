@@ -234,6 +234,36 @@ fn t17_the_first_cycle_is_after_the_delay() {
 }
 
 #[test]
+fn t17_an_event_driven_component_waits_for_its_delay_too_whatever_arrives_before() {
+    let log = Log::new();
+    let mut system = System::new();
+    system.observe(log.clone());
+    system
+        .add("Counter", Activity::periodic(5.ms()), counter())
+        .unwrap();
+    let reader = behaviour(|interface| {
+        let input = interface.input::<Number>("n", "numbers");
+        move |cycle| {
+            cycle.all(input);
+            Ok(())
+        }
+    });
+    system
+        .add("Reader", Activity::event().delay(100.ms()), reader)
+        .unwrap();
+    system
+        .connect("Counter.n", "Reader.n", Policy::buffer(64))
+        .unwrap();
+    let mut run = system.live();
+    let limit = run.now() + 20.s();
+    let mut has_cycled = |_: Time, event: &Event<'_>| matches!(event, Event::Cycle { component, .. } if *component == "Reader");
+    assert!(run.run_until_event(limit, &mut has_cycled));
+    run.stop();
+    assert!(run.cycles("Counter") > 1, "it was triggered before");
+    assert!(cycle_times(&log, "Reader")[0] >= Time::ZERO + 100.ms());
+}
+
+#[test]
 fn t16_a_period_is_changed_while_running() {
     in_real_time(|| {
         let mut system = System::new();

@@ -4,13 +4,16 @@
 mod addition;
 mod background;
 mod change;
+mod commands;
 mod common;
 mod connections;
 mod cycle;
 mod derived;
+mod executor;
 mod freeze;
 mod live;
 mod orocos;
 mod safe;
 mod schedule;
 mod services;
+mod topic_change;

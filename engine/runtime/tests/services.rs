@@ -2,6 +2,7 @@
 
 mod alternatives;
 mod one_way;
+mod refused;
 mod stopped;
 
 use std::sync::atomic::{AtomicBool, Ordering};

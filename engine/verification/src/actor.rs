@@ -1,6 +1,7 @@
 //! Components whose behaviour is given by a specification: coordinators, and components with a protocol.
 
 use crate::error::{ModelError, failed};
+use crate::own_messages::OwnMessages;
 use crate::rename::{label, qualified, renamed};
 use asmotion_coordinator::{Action, Argument, PublishWhen, Receive};
 use asmotion_diagnostics::{Loader, Sources};
@@ -26,6 +27,8 @@ pub(crate) struct Actor {
     pub inputs: Vec<ActorInput>,
     pub outputs: Vec<ActorOutput>,
     pub echoes: Vec<Echo>,
+    /// Contents of its messages, as its binding describes them, if its specification is a protocol.
+    pub own_messages: OwnMessages,
     /// Least and greatest number of its steps between two steps of the specification that is verified.
     pub steps: (u32, u32),
     /// Paths of its files with their texts, for readers of the environment.

@@ -18,6 +18,7 @@ mod message;
 mod model;
 mod network;
 mod origin;
+mod own_messages;
 pub mod protocol;
 mod protocol_text;
 mod rename;

@@ -161,6 +161,8 @@ fn abstract_time(loaded: &mut LoadedFiles, sources: &mut Sources) {
         tree,
         library: true,
         imports: standard.map(|unit| (0, unit)).into_iter().collect(),
+        broken_imports: Vec::new(),
+        unreadable: None,
     };
     loaded.units.insert(at, library);
     if let Some(unit) = loaded.units.last_mut() {

@@ -10,18 +10,28 @@ use std::collections::BTreeMap;
 /// A message that is sent.
 #[derive(Debug)]
 pub(crate) enum SentMessage<'a> {
-    /// The value of a function in a field; the other fields have their initial values if the message is complete.
-    Value {
+    /// Values of functions; the other fields have their initial values if the message is complete, or else those that they have in
+    /// all of `contents`.
+    Values {
         is_complete: bool,
-        field: Option<&'a str>,
-        term: &'a str,
-        codomain: &'a Codomain,
+        values: Vec<SentValue<'a>>,
         key: &'a [(String, String)],
+        /// Contents of all messages of this kind, if they are known.
+        contents: &'a [Argument],
     },
     /// Content that the composite describes.
     Built(&'a Argument),
     /// Any content: a variable for each field that is read.
     Any(&'a BTreeMap<Option<String>, FieldVariable>),
+}
+
+/// The value of a function in a message.
+#[derive(Debug)]
+pub(crate) struct SentValue<'a> {
+    /// Field of the value; `None` if it is the message.
+    pub field: Option<&'a str>,
+    pub term: &'a str,
+    pub codomain: &'a Codomain,
 }
 
 /// A variable for a field of a message with any content.
@@ -95,24 +105,26 @@ impl SentMessage<'_> {
 
     fn part(&self, path: Option<&str>) -> Part<'_> {
         match self {
-            Self::Value {
+            Self::Values {
                 is_complete,
-                field,
-                term,
-                codomain,
+                values,
                 key,
+                contents,
             } => {
                 let keyed = key.iter().find(|(field, _)| Some(field.as_str()) == path);
                 if let Some((_, element)) = keyed {
                     return Part::Constant(Cow::Owned(Datum::text(element.clone())));
                 }
                 // a message with one field is written and read with and without the name of the field
-                if *field == path || field.is_none() || path.is_none() {
-                    Part::Term(term, codomain)
-                } else if *is_complete {
-                    Part::Initial
-                } else {
-                    Part::Unknown
+                let sent = match values.as_slice() {
+                    [only] if only.field.is_none() || path.is_none() => Some(only),
+                    all => all.iter().find(|it| it.field == path),
+                };
+                match sent {
+                    Some(sent) => Part::Term(sent.term, sent.codomain),
+                    None if *is_complete && path.is_some() => Part::Initial,
+                    None if *is_complete => Part::Unknown,
+                    None => common(contents, path),
                 }
             }
             Self::Built(argument) => built(argument, path),
@@ -120,6 +132,25 @@ impl SentMessage<'_> {
                 let variable = fields.get(&path.map(str::to_owned));
                 variable.map_or(Part::Unknown, Part::Variable)
             }
+        }
+    }
+}
+
+/// The part that all messages have in common.
+fn common<'a>(contents: &'a [Argument], path: Option<&str>) -> Part<'a> {
+    let mut parts = contents.iter().map(|it| built(it, path));
+    match parts.next() {
+        Some(Part::Constant(first)) => {
+            let is_same = |part: Part<'_>| matches!(part, Part::Constant(it) if it == first);
+            if parts.all(is_same) {
+                Part::Constant(first)
+            } else {
+                Part::Unknown
+            }
+        }
+        Some(Part::Initial) if parts.all(|part| matches!(part, Part::Initial)) => Part::Initial,
+        Some(Part::Initial | Part::Term(..) | Part::Variable(_) | Part::Unknown) | None => {
+            Part::Unknown
         }
     }
 }

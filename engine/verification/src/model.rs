@@ -9,6 +9,7 @@ use crate::error::ModelError;
 use crate::glue::Glue;
 use crate::merge::merge;
 use crate::origin::ValueOrigin;
+use crate::own_messages::OwnMessages;
 use crate::protocol_text::specification_of;
 use crate::search::{ActorSearch, uses_time};
 use asmotion_diagnostics::Sources;
@@ -121,6 +122,7 @@ pub fn component_model(
         inputs,
         outputs,
         echoes: Vec::new(),
+        own_messages: OwnMessages::default(),
         steps: (1, 1),
         texts: Vec::new(),
     };

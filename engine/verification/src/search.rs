@@ -6,6 +6,7 @@ use crate::context::ModelContext;
 use crate::environment::{senders, senders_of};
 use crate::error::ModelError;
 use crate::network::{Senders, providers};
+use crate::own_messages::OwnMessages;
 use crate::protocol::ends;
 use crate::protocol_text::{ProtocolText, names_of, protocol_of, specification_of};
 use asmotion_coordinator::Action;
@@ -205,6 +206,8 @@ impl ActorSearch<'_> {
             let (inputs, outputs) = reader.read(&planned.binding.clone().unwrap_or_default())?;
             (inputs, outputs, Vec::new())
         };
+        let binding = planned.binding.as_ref().filter(|_| is_protocol);
+        let own_messages = binding.map(OwnMessages::of).unwrap_or_default();
         self.actors.push(Actor {
             component: component.to_owned(),
             is_protocol,
@@ -215,6 +218,7 @@ impl ActorSearch<'_> {
             inputs,
             outputs,
             echoes,
+            own_messages,
             steps: steps(verified, planned),
             texts: files.texts,
         });

@@ -83,6 +83,30 @@ fn a_mutant_of_each_specification_is_found() {
     }
 }
 
+/// The protocol of a robot does not say whose status it sends, but the binding of its component does: its own.
+#[test]
+fn a_field_that_is_the_same_in_all_messages_of_a_component_selects_a_location() {
+    const COMPOSITE: &str = "specs/allocation/allocation.composite.toml";
+    let files = Files::default();
+    let model = modelled(&files, COMPOSITE, "Allocation");
+    assert!(!model.environment.text.contains("$fits"));
+    let found = verified(model, &Options::default());
+    let failed = found.properties.iter().filter(|it| !it.verdict.holds());
+    let failed: Vec<&str> = failed.map(|it| it.text.as_str()).collect();
+    assert_eq!(failed, [""; 0]);
+    // the second robot says that the first one is repaired when it is itself
+    let files = files.change(
+        COMPOSITE,
+        "value = { robot = \"ROB$n\", down = false }",
+        "value = { robot = \"ROB1\", down = false }",
+    );
+    let text = modelled(&files, COMPOSITE, "Allocation").environment.text;
+    let uncertain = text.matches("$fits in Boolean").count();
+    assert_eq!(uncertain, 2, "{text}");
+    assert!(text.contains("robotDown(ROB1) := robot1_down"), "{text}");
+    assert!(!text.contains("robotDown(ROB2) := robot1_down"), "{text}");
+}
+
 /// The follower reports REACHED only while it follows a path, and the map server answers each request once.
 #[test]
 fn a_protocol_excludes_what_the_component_does_not_do() {

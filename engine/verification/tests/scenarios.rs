@@ -53,12 +53,7 @@ impl Scenario {
         let protocols = |name: &str| files.protocol(name);
         let observer =
             ProtocolObserver::new(plan, &Part::Whole, files, &protocols).expect("protocols");
-        let mut workshop = Standard {
-            catalogue: &*CATALOGUE,
-            loader: files,
-            coordinators: CoordinatorOptions::seeded(self.seed),
-            builtins: &mut |_, _| None,
-        };
+        let mut workshop = Standard::new(&*CATALOGUE, files, CoordinatorOptions::seeded(self.seed));
         let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
         for (component, property, value) in &self.properties {
             let id = system.id(component).expect("a component");

@@ -1,10 +1,11 @@
-//! `asmotion check --connections`: the connections of a composite, and whether they are real-time capable.
+//! `asmotion check --connections`: the connections of a composite, and whether they are real-time capable; the threads of its
+//! components.
 
 use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::table;
 use crate::terminal::TerminalOutput;
-use asmotion_plan::Plan;
+use asmotion_plan::{ComponentThread, Plan};
 
 /// Prints the connections of a composite for each of its profiles; prints nothing for other files.
 pub fn show(build: &Build, path: &str, terminal: &mut TerminalOutput) {
@@ -51,5 +52,29 @@ fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
     });
     for line in table::lines(&["from", "to", "topic", "path", "timing"], rows) {
         terminal.result(line);
+    }
+    threads(plan, terminal);
+}
+
+/// Prints the components with a thread of their own; the others share the executor threads.
+fn threads(plan: &Plan, terminal: &mut TerminalOutput) {
+    let mut rows = Vec::new();
+    let mut shared = 0;
+    for component in &plan.components {
+        match plan.thread_of(component) {
+            ComponentThread::Executor => shared += 1,
+            thread @ (ComponentThread::Own(_) | ComponentThread::Master(_)) => {
+                rows.push(vec![component.name.clone(), thread.to_string()]);
+            }
+        }
+    }
+    terminal.result(format_args!(
+        "threads in real time: {shared} of {} components share executor threads",
+        plan.components.len()
+    ));
+    if !rows.is_empty() {
+        for line in table::lines(&["component", "thread"], rows.into_iter()) {
+            terminal.result(line);
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::build::Build;
 use crate::command::test::{mission, snapshot};
+use crate::paths::FileKind;
 use asmotion_lang::{Loader, ReadOptions, Report, Sources, scenario};
 use std::path::Path;
 
@@ -21,12 +22,16 @@ pub fn findings(
     if mission::is_mission(Path::new(path)) {
         return mission::check(build, Path::new(path), loader);
     }
-    let extension = Path::new(path).extension().unwrap_or_default();
-    match extension.to_str() {
-        Some("toml") => composite(build, path, loader),
-        Some("avalla") => scenario::check(path, loader, options),
+    if FileKind::of(Path::new(path)) == Some(FileKind::Scenario) {
+        return scenario::check(path, loader, options);
+    }
+    let extension = Path::new(path).extension();
+    let is_composite = FileKind::of(Path::new(path)) == Some(FileKind::Composite);
+    if is_composite || extension.is_some_and(|it| it == "toml") {
+        composite(build, path, loader)
+    } else {
         // any other file named on the command line is read as a specification, with or without `.asm`
-        _ => specification(path, options, loader),
+        specification(path, options, loader)
     }
 }
 

@@ -78,6 +78,8 @@ mod tests {
                 schema: width(),
                 doc: String::new(),
                 safe: None,
+                command: false,
+                optional: false,
             }],
             services: vec![ServiceDeclaration {
                 name: "grip".to_owned(),

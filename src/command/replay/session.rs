@@ -99,7 +99,7 @@ impl ReplaySession<'_> {
         let mut read = ReadRecording::default();
         for item in files.items().map_err(|error| error.to_string())? {
             match item {
-                RecordingItem::Text { name, text } => read.texts.add(&name, text),
+                RecordingItem::Text { name, text, .. } => read.texts.add(&name, text),
                 RecordingItem::Step { component, step } => {
                     self.step(&component, &step, &mut read);
                     let is_done = read.open.values().all(|one| one.is_done);

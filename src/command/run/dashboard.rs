@@ -20,6 +20,11 @@ pub struct DashboardArguments {
     /// Lets a tab of the dashboard control the system: the address that is printed contains a token
     #[arg(long, requires = "dashboard")]
     control: bool,
+
+    /// Lets a web page of this origin read over the protocol of Foxglove, as in `https://app.foxglove.dev`; repeatable. Programs
+    /// other than web browsers need no permission
+    #[arg(long, value_name = "ORIGIN", requires = "dashboard")]
+    allow_origin: Vec<String>,
 }
 
 impl DashboardArguments {
@@ -34,12 +39,14 @@ impl DashboardArguments {
         self.control = true;
     }
 
-    /// Returns the dashboard of a mission. `opens_browser` opens its address in a browser.
+    /// Returns the dashboard of a mission, as the process with this name if it is one of several. `opens_browser` opens its
+    /// address in a browser.
     ///
     /// # Errors
     /// A text, if the address is none of a loopback interface.
     pub fn dashboard(
         &self,
+        process: Option<&str>,
         (quiet, as_json): (bool, bool),
         opens_browser: bool,
     ) -> Result<MissionDashboard, String> {
@@ -48,13 +55,19 @@ impl DashboardArguments {
         };
         let address = |it| loopback_address("--dashboard", it);
         let listen = written.as_deref().map(address).transpose()?;
+        let allowed_origins = self
+            .allow_origin
+            .iter()
+            .map(|it| origin(it))
+            .collect::<Result<_, _>>()?;
+        let of_process = process.map(|name| format!("{name} ")).unwrap_or_default();
         let on_open = DashboardCallback::new(move |url| {
             if as_json {
                 let object = json!({ "type": "dashboard", "v": 1, "url": url });
                 print_result(object);
             }
             if !quiet {
-                print_progress(format_args!("   Dashboard {url}"));
+                print_progress(format_args!("   Dashboard {of_process}{url}"));
             }
             if opens_browser && !open_browser(url) {
                 print_progress("     Browser cannot be opened here: open the address above");
@@ -63,6 +76,7 @@ impl DashboardArguments {
         Ok(MissionDashboard::Open {
             listen,
             control: self.control,
+            allowed_origins,
             on_open,
         })
     }
@@ -88,6 +102,35 @@ pub fn loopback_address(option: &str, written: &str) -> Result<SocketAddr, Strin
     ))
 }
 
+/// Checks the origin of a web page, the value of `--allow-origin`.
+///
+/// # Errors
+/// A text, if it is none, or if every web page could have it.
+fn origin(written: &str) -> Result<String, String> {
+    let option = format!("`--allow-origin {written}`");
+    if ["*", "null"].contains(&written) {
+        return Err(format!(
+            "{option}: every web page could have this origin: name the one of your viewer, as in `https://app.foxglove.dev`"
+        ));
+    }
+    let is_name = |host: &str| {
+        !host.is_empty() && !host.contains(|it: char| it.is_whitespace() || "/?#@*".contains(it))
+    };
+    let is_origin = match written.split_once("://") {
+        // pages in files of this machine, such as those of desktop programs
+        Some(("file", "")) => true,
+        Some(("http" | "https", host)) => is_name(host),
+        Some(_) | None => false,
+    };
+    if is_origin {
+        return Ok(written.to_owned());
+    }
+    Err(format!(
+        "{option}: expected scheme, name and port without a path, as in `https://app.foxglove.dev`, `http://localhost:8080` or \
+         `file://`"
+    ))
+}
+
 /// Opens an address in the user's browser. Returns `false` if there is none: over ssh, or without a display.
 pub fn open_browser(url: &str) -> bool {
     let has = |variable| std::env::var_os(variable).is_some();
@@ -102,7 +145,34 @@ pub fn open_browser(url: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::loopback_address;
+    use super::{loopback_address, origin};
+
+    #[test]
+    fn an_origin_is_that_of_one_server() {
+        for written in [
+            "https://app.foxglove.dev",
+            "http://localhost:8080",
+            "http://[::1]:8080",
+            "file://",
+        ] {
+            assert_eq!(origin(written).as_deref(), Ok(written));
+        }
+        for written in ["*", "null"] {
+            assert!(origin(written).unwrap_err().contains("every web page"));
+        }
+        for written in [
+            "",
+            "app.foxglove.dev",
+            "https://",
+            "https://*.foxglove.dev",
+            "https://app.foxglove.dev/",
+            "https://me@app.foxglove.dev",
+            "file:///home",
+            "ftp://localhost",
+        ] {
+            assert!(origin(written).unwrap_err().contains("without a path"));
+        }
+    }
 
     #[test]
     fn a_dashboard_listens_on_this_machine_only() {

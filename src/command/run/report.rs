@@ -1,5 +1,7 @@
 //! Prints the events and the summary of a run, as text or as JSON.
 
+use std::collections::BTreeMap;
+
 use asmotion_component::{LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
     BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, VIOLATION_REPORT,
@@ -135,6 +137,7 @@ pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
         "failed_components": end.failed,
         "lost": end.lost.iter().map(|(input, count)| json!({ "input": input, "count": count })).collect::<Vec<_>>(),
+        "refused": end.refused.iter().map(|(service, count)| json!({ "service": service, "count": count })).collect::<Vec<_>>(),
         "unsuitable": end.unsuitable.iter().map(|(component, count)| json!({ "component": component, "count": count })).collect::<Vec<_>>(),
         "stalled": end.stalled.iter().map(stalled_json).collect::<Vec<_>>(),
         "collisions": summary.collisions,
@@ -157,7 +160,7 @@ fn counts_json(counts: &EventCounts) -> Vec<serde_json::Value> {
 
 fn robot_json(robot: &RobotSummary<'_>) -> serde_json::Value {
     json!({
-        "name": robot.name, "control_state": robot.control_state,
+        "name": robot.name, "control_state": robot.control_state, "cause": robot.cause,
         "driven_m": robot.path.driven_m, "to_goal_m": robot.path.to_goal_m(),
         "true_to_goal_m": robot.path.true_to_goal_m(),
     })
@@ -176,15 +179,32 @@ pub(super) fn headline(end: &MissionEnd) -> String {
     format!("{}{}", end.outcome.name(), circumstances(end))
 }
 
-/// The control state of all coordinators, or that of each if they differ.
+/// Number of coordinators up to which each is named with its control state.
+const MANY: usize = 4;
+
+/// Distance from its goal, in m, up to which a robot counts as there.
+const AT_GOAL_M: f64 = 0.3;
+
+/// The control state of all coordinators, or that of each if they differ; of many, the number in each state.
 fn control_states(summary: &Summary) -> String {
     if let Some(state) = summary.control_state() {
         return format!(" in {state}");
     }
-    let all = summary.control_states.iter();
-    let all: Vec<String> = all
-        .map(|(component, state)| format!("{state} ({component})"))
-        .collect();
+    let states = &summary.control_states;
+    let all: Vec<String> = if states.len() > MANY {
+        let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
+        for state in states.values() {
+            *counts.entry(state.as_str()).or_default() += 1;
+        }
+        let counts = counts.into_iter();
+        counts
+            .map(|(state, count)| format!("{state} ×{count}"))
+            .collect()
+    } else {
+        let all = states.iter();
+        all.map(|(component, state)| format!("{state} ({component})"))
+            .collect()
+    };
     if all.is_empty() {
         String::new()
     } else {
@@ -241,9 +261,16 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
                 name,
                 path,
                 control_state,
+                cause,
             } in summary.robots.all()
             {
-                let state = control_state.map_or_else(String::new, |state| format!("{state}, "));
+                let is_elsewhere = path.to_goal_m().is_some_and(|it| it > AT_GOAL_M);
+                let cause = match cause {
+                    cause if is_elsewhere && !cause.is_empty() => format!(" ({cause})"),
+                    _ => String::new(),
+                };
+                let state =
+                    control_state.map_or_else(String::new, |state| format!("{state}{cause}, "));
                 terminal.result(format_args!("  {name:<9}  {state}driven {}", driven(path)));
             }
         }
@@ -274,6 +301,11 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     for (input, count) in &end.lost {
         terminal.result(format_args!(
             "  {NOTE}lost{NOTE:#}       {count} messages to {input}"
+        ));
+    }
+    for (service, count) in &end.refused {
+        terminal.result(format_args!(
+            "  {NOTE}refused{NOTE:#}    {count} requests to {service}: its queue was full"
         ));
     }
     for (component, count) in &end.unsuitable {

@@ -21,7 +21,7 @@ enum SpecificationOutcome {
     Rejected(String),
     /// A step failed (0 is the initial state): code and message.
     Fault(u64, String),
-    /// The inputs cannot be read, or the trace cannot be written.
+    /// The specification or its inputs cannot be read, or the trace cannot be written.
     Unusable(String),
 }
 
@@ -63,6 +63,9 @@ impl Sim {
     fn outcome(&self, file: &Path, name: &Path) -> SpecificationOutcome {
         let mut specification = match self.open(&file.to_string_lossy()) {
             Ok(specification) => specification,
+            Err(failure) if Exit::refused(file) == Exit::Usage => {
+                return SpecificationOutcome::Unusable(first_error(&failure));
+            }
             Err(failure) => return rejected(&failure),
         };
         if specification.program.main.is_none() {
@@ -163,9 +166,14 @@ impl Sim {
 }
 
 fn rejected(failure: &OpenFailure) -> SpecificationOutcome {
+    SpecificationOutcome::Rejected(first_error(failure))
+}
+
+/// The first error of a specification on one line.
+fn first_error(failure: &OpenFailure) -> String {
     let mut findings = failure.report.diagnostics.iter();
     let first = findings.find(|finding| finding.severity == Severity::Error);
-    SpecificationOutcome::Rejected(first.map(first_line).unwrap_or_default())
+    first.map(first_line).unwrap_or_default()
 }
 
 fn failed(specification: &Specification, fault: &StepFault) -> SpecificationOutcome {
@@ -233,7 +241,7 @@ impl fmt::Display for SimSummary {
         )?;
         match self.unusable {
             0 => Ok(()),
-            unusable => write!(to, ", {unusable} without usable inputs"),
+            unusable => write!(to, ", {unusable} that could not be run"),
         }
     }
 }

@@ -29,6 +29,17 @@ fn compare(machine: &Machine, recorded: Option<RecordedUpdates>) -> Result<(), B
     }
 }
 
+/// Checks before the simulation that its trace can be written.
+fn is_writable(path: &str) -> std::io::Result<()> {
+    let mut options = std::fs::OpenOptions::new();
+    options.create(true).append(true).open(path).map(drop)
+}
+
+fn cannot_write(error: &std::io::Error, trace: Option<&str>) -> String {
+    let path = trace.unwrap_or_default();
+    format!("cannot write the trace `{path}`: {error}")
+}
+
 impl Sim {
     /// Simulates the specification at a path.
     pub(super) fn single(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
@@ -40,6 +51,10 @@ impl Sim {
                 return self.refused(path, &failure);
             }
         };
+        if let Some(Err(error)) = self.trace.as_deref().map(is_writable) {
+            terminal.error(cannot_write(&error, self.trace.as_deref()));
+            return Exit::Usage;
+        }
         if specification.report.count(Severity::Warning) > 0 {
             terminal.report(&specification.report, &specification.sources);
         }
@@ -117,7 +132,7 @@ impl Sim {
         match std::fs::write(path, trace) {
             Ok(()) => Exit::Ok,
             Err(error) => {
-                terminal.error(format_args!("cannot write the trace `{path}`: {error}"));
+                terminal.error(cannot_write(&error, Some(path)));
                 Exit::Usage
             }
         }

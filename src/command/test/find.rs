@@ -20,6 +20,9 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
     let mut scenarios = Vec::new();
     for file in named_files(paths, KINDS).map_err(|error| error.to_string())? {
         match FileKind::of(&file.path) {
+            Some(kind) if file.is_standard_input() && kind != FileKind::Scenario => {
+                return Err(without_name(kind));
+            }
             Some(FileKind::Specification) => scenarios.extend(of_specification(&file.path)?),
             Some(FileKind::Composite) => scenarios.extend(of_composite(&file.path)?),
             Some(FileKind::Scenario | FileKind::Script | FileKind::Mission) | None => {
@@ -28,6 +31,22 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
         }
     }
     Ok(scenarios)
+}
+
+/// Returns the error for a text on standard input that is no scenario.
+fn without_name(kind: FileKind) -> String {
+    let (what, way_out) = match kind {
+        FileKind::Mission => ("a mission", "`asmotion test FILE` runs it"),
+        FileKind::Composite => (
+            "a composite",
+            "`asmotion test FILE` runs the missions beside it",
+        ),
+        FileKind::Specification | FileKind::Scenario | FileKind::Script => (
+            "a specification",
+            "`asmotion test FILE` runs the scenarios beside it, `asmotion sim -` simulates it",
+        ),
+    };
+    format!("the text on standard input is {what} and no scenario (`.avalla`): {way_out}")
 }
 
 /// Returns the scenarios beside a specification that run it.

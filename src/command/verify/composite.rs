@@ -7,8 +7,8 @@ use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::terminal::{NOTE, TerminalOutput, count};
 use crate::verification::{
-    components_with_properties, describe, exchanges_messages, in_terms_of_composite, model,
-    with_origins,
+    components_with_properties, describe, exchanges_messages, in_terms_of_composite, link_messages,
+    model, with_origins,
 };
 use asmotion_lang::ReadOptions;
 use asmotion_plan::{Component, Implementation, Opened, Plan};
@@ -168,6 +168,7 @@ impl Verify {
                 Err(exit) => return exit,
             }
         }
+        link_messages(plan, &mut system);
         self.verified(path, system, terminal)
             .unwrap_or_else(|exit| exit)
     }
@@ -221,6 +222,7 @@ impl Verify {
                 &format!("{path}, {component}"),
                 &verification,
                 time,
+                self.memory_limit(),
                 terminal,
             );
             show_environment(&environment, terminal);

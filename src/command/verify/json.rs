@@ -3,7 +3,7 @@
 use super::interrupt;
 use super::words::{is_qualified, kind, machine_name, place_in, verdict};
 use asmotion_lang::guards::PassedGuard;
-use asmotion_verify::{AdviceKind, Incomplete, Run, Verification, VerifiedMachine};
+use asmotion_verify::{AdviceKind, Incomplete, Note, Run, Verification, VerifiedMachine};
 use serde_json::{Value, json};
 use std::time::Duration;
 
@@ -27,6 +27,7 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
             "text": property.text,
             "place": place,
             "verdict": word,
+            "undecided": property.notes.iter().find_map(undecided),
             "run": property.verdict.run().map(|run| run_json(run, machines)),
         })
     });
@@ -60,11 +61,11 @@ pub fn verification(path: &str, verification: &Verification, time: Duration) -> 
         "type": "verification", "v": 1,
         "path": path,
         "properties": properties.collect::<Vec<Value>>(),
-        "states": verification.states,
-        "transitions": verification.transitions,
+        "states": known(verification.states),
+        "transitions": known(verification.transitions),
         "depth": verification.depth,
         "excluded": verification.excluded,
-        "ends": verification.ends,
+        "ends": known(verification.ends),
         "assumptions": verification.assumptions,
         "represented": represented.collect::<Vec<Value>>(),
         "advice": advice.collect::<Vec<Value>>(),
@@ -86,6 +87,19 @@ fn advice_kind(kind: AdviceKind) -> &'static str {
         AdviceKind::UnreadInput => "unread-input",
         AdviceKind::UnreachedCondition => "unreached-condition",
     }
+}
+
+/// A count; `None` if it is greater than the verification counts.
+fn known(count: u64) -> Option<u64> {
+    (count < u64::MAX).then_some(count)
+}
+
+/// The limit that was reached before a property was decided.
+fn undecided(note: &Note) -> Option<&'static str> {
+    if let Note::Undecided(reason) = note {
+        return Some(incomplete_word(*reason));
+    }
+    None
 }
 
 fn incomplete_word(reason: Incomplete) -> &'static str {

@@ -5,7 +5,7 @@ use super::{Verify, interrupt};
 use crate::exit::Exit;
 use crate::files::DiskLoader;
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
-use asmotion_lang::{Loader, ReadOptions};
+use asmotion_lang::{Loader, ReadOptions, Report};
 use asmotion_verify::{Mutant, SystemSpecification, Verdict, mutants, verify_system};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -52,7 +52,7 @@ impl Verify {
             .iter()
             .filter(|it| it.verdict.holds());
         let holding: BTreeSet<String> = holding.map(heading).collect();
-        let limit = (verification.states * STATES).max(LEAST_STATES);
+        let limit = verification.states.saturating_mul(STATES).max(LEAST_STATES);
         let Some(original) = verification.machines.first().map(|it| &it.specification) else {
             return Exit::Ok;
         };
@@ -93,8 +93,10 @@ impl Verify {
         let own = options.limits.states.unwrap_or(limit);
         options.limits.states = Some(own.min(limit));
         let mut proceed = |_| !interrupt::has_occurred();
-        let Ok(verification) = verify_system(system, &options, &mut proceed) else {
-            return Some(MutantFate::Killed("it cannot be verified".to_owned()));
+        let verification = match verify_system(system, &options, &mut proceed) {
+            Ok(verification) => verification,
+            Err(refusal) if is_limit(&refusal.report) => return Some(MutantFate::Unknown),
+            Err(_) => return Some(MutantFate::Killed("it cannot be verified".to_owned())),
         };
         let mut properties = verification.properties.iter();
         let killed = properties.find(|property| {
@@ -173,6 +175,13 @@ impl Verify {
             _ => Exit::Findings,
         }
     }
+}
+
+/// Returns `true` if a specification is refused for a limit of the verifier, which says nothing about the specification: too many
+/// combinations in a step, storage that fails, or a construct that diagrams do not represent.
+fn is_limit(report: &Report) -> bool {
+    let mut findings = report.diagnostics.iter();
+    findings.any(|it| ["M002", "M013", "M030"].contains(&it.code.name))
 }
 
 /// The files on disk, one of which is changed.

@@ -39,7 +39,7 @@ impl Verify {
             limits: Limits {
                 states: self.states,
                 depth: self.bound,
-                memory: Some(self.memory << 20),
+                memory: Some(self.memory_limit().bytes()),
                 reserve: Some(self.reserve),
             },
             properties: terms.cloned().collect(),

@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 /// Time between two lines of progress.
 const INTERVAL: Duration = Duration::from_secs(2);
 
+/// Number of states by which the states that wait have become fewer, from which an estimate is made.
+const MIN_DONE: u64 = 50;
+
 /// The progress of one exploration.
 pub struct ExplorationProgress {
     begun: Instant,
@@ -70,7 +73,8 @@ impl ExplorationProgress {
         since: Duration,
     ) -> String {
         let done = self.waiting.saturating_sub(waiting);
-        if done > 0 {
+        // properties are decided when no state waits any more; a few states more or less say nothing
+        if done >= MIN_DONE && waiting > 0 {
             let seconds = waiting as f64 / done as f64 * since.as_secs_f64();
             return format!(", done in about {}", rounded(seconds));
         }

@@ -1,5 +1,6 @@
 //! Results of a verification as text.
 
+use super::memory::MemoryLimit;
 use super::run::show_run;
 use super::words::{
     counted, duration, heading, incomplete, machine_name, number, place_in, qualified_verdict,
@@ -15,11 +16,12 @@ pub fn text(
     path: &str,
     verification: &Verification,
     time: Duration,
+    limit: MemoryLimit,
     terminal: &mut TerminalOutput,
 ) {
     terminal.result(format_args!("{NAME}{path}{NAME:#}"));
     for property in &verification.properties {
-        show_property(property, verification, terminal);
+        show_property(property, verification, limit, terminal);
     }
     let count = |is: fn(&Verdict) -> bool| {
         let properties = verification.properties.iter();
@@ -81,7 +83,7 @@ pub fn text(
     if let Some(reason) = verification.incomplete {
         terminal.result(format_args!(
             "  {NOTE}note{NOTE:#} not all states were explored: {}",
-            incomplete(reason)
+            incomplete(reason, limit)
         ));
         for growing in &verification.growing {
             let machines = verification.machines.as_slice();
@@ -177,6 +179,7 @@ pub fn advice(verification: &Verification, terminal: &mut TerminalOutput) {
 fn show_property(
     property: &CheckedProperty,
     verification: &Verification,
+    limit: MemoryLimit,
     terminal: &mut TerminalOutput,
 ) {
     let colour = match property.verdict {
@@ -193,7 +196,7 @@ fn show_property(
     let heading = heading(property);
     terminal.result(format_args!("  {colour}{word:<9}{colour:#} {heading}{at}"));
     for note in &property.notes {
-        show_note(property, note, terminal);
+        show_note(property, note, limit, terminal);
     }
     if let Verdict::Violated(Some(run)) = &property.verdict {
         show_run(run, machines, terminal);
@@ -202,7 +205,12 @@ fn show_property(
     }
 }
 
-fn show_note(property: &CheckedProperty, note: &Note, terminal: &mut TerminalOutput) {
+fn show_note(
+    property: &CheckedProperty,
+    note: &Note,
+    limit: MemoryLimit,
+    terminal: &mut TerminalOutput,
+) {
     let text = match note {
         Note::Undefined(count) => {
             format!(
@@ -233,6 +241,18 @@ fn show_note(property: &CheckedProperty, note: &Note, terminal: &mut TerminalOut
         }
         Note::Unfair { all: false } => {
             "from some initial states no run satisfies the fairness constraints".to_owned()
+        }
+        Note::Undecided(reason) => {
+            format!(
+                "all states were explored, but it was not decided: {}",
+                incomplete(*reason, limit)
+            )
+        }
+        Note::Unexamined(reason) => {
+            format!(
+                "whether it holds vacuously was not examined: {}",
+                incomplete(*reason, limit)
+            )
         }
         Note::FailingSteps => {
             "steps that fail have no next state; a state in which every step fails stays for ever"

@@ -3,7 +3,6 @@
 use super::Verify;
 use crate::codes::s000::UnreadableScript;
 use crate::exit::Exit;
-use crate::files::DiskLoader;
 use crate::paths::FileKind;
 use crate::terminal::{TerminalOutput, count};
 use asmotion_diagnostics::Finding;
@@ -89,7 +88,7 @@ impl Verify {
             initial,
             ..ReadOptions::default()
         };
-        asmotion_lang::open_with(path, &DiskLoader, &options).map_err(|failure| {
+        asmotion_lang::open_with(path, &self.files, &options).map_err(|failure| {
             terminal.report(&failure.report, &failure.sources);
             terminal.error(count(&failure.report).unwrap_or_default());
             Exit::refused(path)
@@ -164,9 +163,9 @@ impl Verify {
                 let specification = self.open(text, None, terminal)?;
                 Ok(EnvironmentModel::Specification(Box::new(specification)))
             }
-            (None, Some(FileKind::Script), [machine]) => {
-                script(text, &mut machine.specification, terminal).map(EnvironmentModel::Script)
-            }
+            (None, Some(FileKind::Script), [machine]) => self
+                .script(text, &mut machine.specification, terminal)
+                .map(EnvironmentModel::Script),
             (None, Some(FileKind::Script), _) => {
                 terminal.error("a script has the inputs of one specification: use a specification as the environment of several");
                 Err(Exit::Usage)
@@ -179,32 +178,33 @@ impl Verify {
             }
         }
     }
-}
 
-/// Reads a script.
-fn script(
-    path: &str,
-    specification: &mut Specification,
-    terminal: &mut TerminalOutput,
-) -> Result<Script, Exit> {
-    let text = match DiskLoader.read(path) {
-        Ok(text) => text,
-        Err(error) => {
-            let mut report = Report::new();
-            let named = "the path given with `--environment`".to_owned();
-            report.push(UnreadableScript { error, named }.diagnostic());
-            terminal.report(&report, &specification.sources);
-            return Err(Exit::Usage);
-        }
-    };
-    let file = specification.sources.add(path, text.clone());
-    let script = match Script::read(file, &text, &specification.program) {
-        Ok(script) => script,
-        Err(report) => {
-            terminal.report(&report, &specification.sources);
-            terminal.error(count(&report).unwrap_or_default());
-            return Err(Exit::Findings);
-        }
-    };
-    Ok(script)
+    /// Reads a script.
+    fn script(
+        &self,
+        path: &str,
+        specification: &mut Specification,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Script, Exit> {
+        let text = match self.files.read(path) {
+            Ok(text) => text,
+            Err(error) => {
+                let mut report = Report::new();
+                let named = "the path given with `--environment`".to_owned();
+                report.push(UnreadableScript { error, named }.diagnostic());
+                terminal.report(&report, &specification.sources);
+                return Err(Exit::Usage);
+            }
+        };
+        let file = specification.sources.add(path, text.clone());
+        let script = match Script::read(file, &text, &specification.program) {
+            Ok(script) => script,
+            Err(report) => {
+                terminal.report(&report, &specification.sources);
+                terminal.error(count(&report).unwrap_or_default());
+                return Err(Exit::Findings);
+            }
+        };
+        Ok(script)
+    }
 }

@@ -6,11 +6,13 @@ use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, NOTE, TerminalOutput};
 use asmotion_verify::{KeptExploration, Verdict, Verification};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 /// Time between two looks at the files.
 const INTERVAL: Duration = Duration::from_millis(200);
+
+/// Number of looks at files that are being written or missing, each after half of the interval.
+const LOOKS: usize = 20;
 
 /// The verdict of each property, by its text.
 type Verdicts = BTreeMap<String, Verdict>;
@@ -20,53 +22,65 @@ impl Verify {
     pub(super) fn watch_file(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
         let mut before: Option<Verdicts> = None;
         let mut kept = KeptExploration::default();
-        let mut files = WatchedFiles::default();
         loop {
-            files.note(Path::new(path));
+            self.files.forget();
             let exit = match self.file_system(path, terminal) {
-                Ok(Some(system)) => {
-                    for path in paths(&system) {
-                        files.note(&path);
-                    }
-                    match self.verification(system, Some(&mut kept), terminal) {
-                        Ok((verification, time)) => {
-                            let exit = self.present(path, &verification, time, terminal);
-                            if verification.is_reused {
-                                terminal.result("  only properties have changed: the states are those explored before");
-                            }
-                            let verdicts = verdicts(&verification);
-                            if let Some(before) = &before {
-                                show_changes(before, &verdicts, terminal);
-                            }
-                            before = Some(verdicts);
-                            exit
+                Ok(Some(system)) => match self.verification(system, Some(&mut kept), terminal) {
+                    Ok((verification, time)) => {
+                        let exit = self.present(path, &verification, time, terminal);
+                        if verification.is_reused {
+                            terminal.result(
+                                "  only properties have changed: the states are those explored before",
+                            );
                         }
-                        Err(exit) => exit,
+                        let verdicts = verdicts(&verification);
+                        if let Some(before) = &before {
+                            show_changes(before, &verdicts, terminal);
+                        }
+                        before = Some(verdicts);
+                        exit
                     }
-                }
+                    Err(exit) => exit,
+                },
                 Ok(None) => Exit::Ok,
                 Err(exit) => exit,
             };
             terminal.status("Watching", format_args!("{path} (Ctrl-C ends)"));
-            while !files.have_changed() {
-                if interrupt::has_occurred() {
-                    return exit;
-                }
-                std::thread::sleep(INTERVAL);
+            if self.wait_for_change() {
+                return exit;
             }
-            files = WatchedFiles::default();
         }
     }
-}
 
-/// The files of a system, without the standard libraries, which are in no file.
-fn paths(system: &asmotion_verify::SystemSpecification) -> Vec<PathBuf> {
-    let machines = system.machines.iter();
-    let paths = machines.flat_map(|machine| machine.specification.sources.paths());
-    paths
-        .map(PathBuf::from)
-        .filter(|path| path.is_file())
-        .collect()
+    /// Waits until a file has changed; returns `true` after Ctrl-C.
+    fn wait_for_change(&self) -> bool {
+        loop {
+            if interrupt::has_occurred() {
+                return true;
+            }
+            if self.files.have_changed() {
+                self.wait_until_written();
+                // a file may be back as it was
+                if self.files.have_changed() {
+                    return interrupt::has_occurred();
+                }
+            }
+            std::thread::sleep(INTERVAL);
+        }
+    }
+
+    /// Waits until an editor has written its files: until all of them are there and no longer change, but not for long.
+    fn wait_until_written(&self) {
+        let mut before = self.files.look();
+        for _ in 0..LOOKS {
+            std::thread::sleep(INTERVAL / 2);
+            let now = self.files.look();
+            if interrupt::has_occurred() || now == before && !self.files.are_missing(&now) {
+                return;
+            }
+            before = now;
+        }
+    }
 }
 
 fn verdicts(verification: &Verification) -> Verdicts {
@@ -105,26 +119,4 @@ fn show_changes(before: &Verdicts, after: &Verdicts, terminal: &mut TerminalOutp
     if changes == 0 {
         terminal.result("  no verdict has changed");
     }
-}
-
-/// Files with the times of their last changes.
-#[derive(Default)]
-struct WatchedFiles(BTreeMap<PathBuf, Option<SystemTime>>);
-
-impl WatchedFiles {
-    /// Adds a file as it is now, unless it is known.
-    fn note(&mut self, path: &Path) {
-        self.0
-            .entry(path.to_owned())
-            .or_insert_with(|| changed_at(path));
-    }
-
-    fn have_changed(&self) -> bool {
-        self.0.iter().any(|(path, at)| changed_at(path) != *at)
-    }
-}
-
-/// Returns the time of the last change; `None` while a file is missing, as while an editor replaces it.
-fn changed_at(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).and_then(|it| it.modified()).ok()
 }

@@ -1,6 +1,7 @@
 //! Numbers, places and results in words.
 
 use super::interrupt;
+use super::memory::MemoryLimit;
 use asmotion_lang::{Span, Specification};
 use asmotion_verify::{
     CheckedProperty, Incomplete, PropertyKind, Verdict, Verification, VerifiedMachine,
@@ -20,8 +21,11 @@ pub fn number(number: u64) -> String {
     text
 }
 
-/// A number with a noun, as in `3 states`.
+/// A number with a noun, as in `3 states`. A count of 2^64 - 1 stands for all greater ones.
 pub fn counted(count: u64, noun: &str) -> String {
+    if count == u64::MAX {
+        return format!("more than 10^19 {noun}s");
+    }
     let plural = if count == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", number(count))
 }
@@ -34,17 +38,18 @@ pub fn duration(time: Duration) -> String {
     }
 }
 
-pub fn incomplete(reason: Incomplete) -> &'static str {
-    match reason {
+pub fn incomplete(reason: Incomplete, limit: MemoryLimit) -> String {
+    let text = match reason {
         Incomplete::States => "the number of states reached the limit, which `--states` sets",
         Incomplete::Depth => "the number of steps reached the limit, which `--bound` sets",
-        Incomplete::Memory => "the memory reached the limit, which `--memory` sets",
+        Incomplete::Memory => return limit.reached(),
         Incomplete::Reserve => {
             "a state has more elements created by `extend` than `--reserve` permits"
         }
         Incomplete::Stopped if interrupt::has_occurred() => "it was interrupted",
         Incomplete::Stopped => "the time is up, which `--time` sets",
-    }
+    };
+    text.to_owned()
 }
 
 pub fn kind(kind: PropertyKind) -> &'static str {

@@ -1,5 +1,6 @@
 //! Replacement for the dashboard in a build without the feature `dashboard`.
 
+use asmotion_assembly::reconfigure::Version;
 use asmotion_bus::LocalBus;
 use asmotion_plan::{Part, Plan};
 use asmotion_runtime::System;
@@ -7,6 +8,7 @@ use asmotion_runtime::System;
 use super::MissionDashboard;
 use crate::feature::{Dashboard, LeftOut};
 use crate::mission::MissionError;
+use crate::mission::connected_broker::ConnectedBroker;
 
 /// An open dashboard: this build has none.
 pub(in crate::mission) enum OpenDashboard {}
@@ -19,6 +21,7 @@ impl OpenDashboard {
         _: (&Plan, &Part),
         _: String,
         _: (&LocalBus, &str),
+        _: &[ConnectedBroker],
     ) -> Result<Option<Self>, MissionError> {
         match request {
             MissionDashboard::Closed => Ok(None),
@@ -31,6 +34,11 @@ impl OpenDashboard {
 
     /// Never called: there is no dashboard.
     pub(in crate::mission) fn process(&mut self) {
+        match *self {}
+    }
+
+    /// Never called: there is no dashboard.
+    pub(in crate::mission) fn follow(&mut self, _: &Version) {
         match *self {}
     }
 

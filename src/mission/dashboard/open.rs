@@ -3,9 +3,10 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
 
+use asmotion_assembly::reconfigure::Version;
 use asmotion_bus::{Bus, BusError, LocalBus, Notifier, Pattern, QueuePolicy, Subscription};
 use asmotion_monitor::{
-    Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
+    BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
 };
 use asmotion_plan::{Part, Plan};
 use asmotion_remote::{RobotPresence, presence_topic};
@@ -14,6 +15,8 @@ use asmotion_runtime::System;
 use super::MissionDashboard;
 use crate::files::DiskLoader;
 use crate::mission::MissionError;
+use crate::mission::connected_broker::ConnectedBroker;
+use crate::mission::message_types::port_types;
 
 /// Address of a dashboard, unless it is given or in use.
 const USUAL: SocketAddr =
@@ -21,16 +24,17 @@ const USUAL: SocketAddr =
 
 /// Settings of a dashboard at an address; by default at the usual one, or at a free port if that is in use.
 pub(crate) fn dashboard_settings(listen: Option<SocketAddr>) -> DashboardSettings {
-    let mut settings = DashboardSettings::at(listen.unwrap_or(USUAL));
-    if listen.is_none() && std::net::TcpListener::bind(USUAL).is_err() {
-        settings.listen.set_port(0);
+    DashboardSettings {
+        or_free_port: listen.is_none(),
+        ..DashboardSettings::at(listen.unwrap_or(USUAL))
     }
-    settings
 }
 
 /// An open dashboard.
 pub(in crate::mission) struct OpenDashboard {
     feed: Feed,
+    /// Clock of the run in words.
+    clock: String,
     presences: Subscription,
     /// Closes when dropped.
     _server: Dashboard,
@@ -38,31 +42,40 @@ pub(in crate::mission) struct OpenDashboard {
 
 impl OpenDashboard {
     /// Opens the dashboard for a system that is about to run, if one is requested. It learns of the components from what the
-    /// process with this name describes on this bus, and sends its orders there.
+    /// process with this name describes on this bus, and sends its orders there. It shows the state of the connections to the
+    /// brokers.
     pub(in crate::mission) fn open(
         request: &MissionDashboard,
         system: &mut System,
         (plan, part): (&Plan, &Part),
         clock: String,
         (bus, process): (&LocalBus, &str),
+        brokers: &[ConnectedBroker],
     ) -> Result<Option<Self>, MissionError> {
         let MissionDashboard::Open {
             listen,
             control,
+            allowed_origins,
             on_open,
         } = request
         else {
             return Ok(None);
         };
         let presences = presences(bus).map_err(|error| MissionError::Launch(error.to_string()))?;
-        let description = SystemDescription::of(plan, part, clock, &DiskLoader);
+        let description = SystemDescription::of(plan, part, clock.clone(), &DiskLoader);
         let orders = OrderBus {
             bus: Arc::new(bus.clone()),
             process: process.to_owned(),
         };
-        let source = MonitorSource::new(description, Some(orders));
+        let links = brokers.iter().map(|it| BusLink {
+            name: it.location.clone(),
+            bus: Arc::clone(&it.bus),
+        });
+        let source = MonitorSource::new(description, Some(orders), links.collect());
         let feed = source.feed();
+        feed.learn(port_types(plan));
         let mut settings = dashboard_settings(*listen);
+        settings.allowed_origins.clone_from(allowed_origins);
         let launch =
             |error: &dyn std::fmt::Display| MissionError::Launch(format!("`--dashboard`: {error}"));
         let token = control.then(DashboardSettings::new_token).transpose();
@@ -78,6 +91,7 @@ impl OpenDashboard {
         });
         Ok(Some(Self {
             feed,
+            clock,
             presences,
             _server: server,
         }))
@@ -90,6 +104,15 @@ impl OpenDashboard {
                 self.feed.describe(presence);
             }
         }
+    }
+
+    /// Follows the system to another version of the composite. Its files may have come from another machine.
+    pub(in crate::mission) fn follow(&mut self, version: &Version) {
+        let Version { plan, part, .. } = version;
+        self.feed.learn(port_types(plan));
+        let clock = self.clock.clone();
+        let description = SystemDescription::of(plan, part, clock, version.loader());
+        self.feed.follow(description);
     }
 
     /// Shows how the run has ended.

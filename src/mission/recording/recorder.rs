@@ -5,11 +5,13 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use asmotion_component::Time;
-use asmotion_plan::{Opened, Plan};
-use asmotion_recording::{Overflow, RecorderOptions, RecordingFile, RunRecorder};
+use asmotion_datum::Schema;
+use asmotion_plan::{Opened, Plan, RecordReaders};
+use asmotion_recording::{Overflow, RecorderOptions, RecordingFile, RecordingProfile, RunRecorder};
 use asmotion_runtime::System;
 
 use super::{RecordedMission, RecordingResult};
+use crate::mission::message_types::port_types;
 
 /// A recording in progress, if there is one.
 #[derive(Default)]
@@ -141,6 +143,10 @@ impl RecordedMission<'_> {
             calls: record.calls,
             steps: record.asm_states,
             rotate_bytes: Some(record.rotate_mb.saturating_mul(MEGABYTE)),
+            profile: match record.readers {
+                RecordReaders::Viewers => RecordingProfile::Viewers,
+                RecordReaders::Ros2 => RecordingProfile::Ros2,
+            },
             ..shared
         };
         let file = folder.join(&record.dir).join(name);
@@ -183,22 +189,13 @@ fn texts(opened: &Opened, plan: &Plan) -> BTreeMap<String, String> {
 }
 
 /// The message types of ports and topics.
-fn types(plan: &Plan) -> BTreeMap<String, asmotion_datum::Schema> {
-    let ports = plan.components.iter().flat_map(|component| {
-        let ports = component.inputs.iter().chain(&component.outputs);
-        ports.map(|port| {
-            (
-                format!("{}.{}", component.name, port.name),
-                Some(&port.kind),
-            )
-        })
-    });
+fn types(plan: &Plan) -> BTreeMap<String, Schema> {
     let topics = plan.topics.iter();
-    let topics = topics.map(|topic| (format!("topic:{}", topic.name), topic.kind.as_ref()));
-    let known = ports.chain(topics);
-    known
-        .filter_map(|(place, kind)| Some((place, plan.types.get(kind?)?.clone())))
-        .collect()
+    let topics = topics.filter_map(|topic| {
+        let schema = plan.types.get(topic.kind.as_ref()?)?;
+        Some((format!("topic:{}", topic.name), schema.clone()))
+    });
+    port_types(plan).into_iter().chain(topics).collect()
 }
 
 /// Formats a time since 1970 as in `20261126T151617Z`.

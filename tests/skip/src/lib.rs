@@ -65,11 +65,25 @@ pub const ROSPY: Requirement<'_> = Requirement {
     remedy: "Install Debian's packages `python3-rosmaster`, `python3-rosnode`, `python3-rosservice`, `python3-actionlib`, `python3-geometry-msgs`, `python3-nav-msgs` and `python3-std-srvs`, or run `./test`",
 };
 
+/// Transforms of ROS 1 in Python.
+pub const TF2: Requirement<'_> = Requirement {
+    name: "tf2",
+    tests: "the comparison of transforms with tf2",
+    remedy: "Install Debian's packages `python3-tf2` and `python3-tf2-geometry-msgs`, or run `./test`",
+};
+
 /// Cyclone DDS in Python, a peer that is no code of ours.
 pub const CYCLONEDDS: Requirement<'_> = Requirement {
     name: "cyclonedds",
     tests: "the tests of ROS 2 with Cyclone DDS",
     remedy: "Run `./test`, which installs the Python package `cyclonedds` in `target/`",
+};
+
+/// Nodes of ROS 2 in Python, on Fast DDS.
+pub const RCLPY: Requirement<'_> = Requirement {
+    name: "rclpy",
+    tests: "the tests of ROS 2 with rclpy on Fast DDS",
+    remedy: "Run `./test`, which installs the Python packages of ROS 2 Jazzy in `target/`",
 };
 
 /// Packages of Python.

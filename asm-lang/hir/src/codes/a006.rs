@@ -72,7 +72,7 @@ impl Finding for NoOverload {
 }
 
 /// A replacement for a number literal: its spelling in the required domain.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Respelt {
     pub at: Span,
     pub domain: &'static str,

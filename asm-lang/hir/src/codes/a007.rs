@@ -1,5 +1,5 @@
 use crate::codes::a006::Respelt;
-use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Fix, Span};
 
 /// Type mismatch
 ///
@@ -35,8 +35,8 @@ pub(crate) struct TypeMismatch {
     pub at: Span,
     /// Span that determines the required type, with the beginning of its label.
     pub because: Option<(Span, &'static str)>,
-    /// Spelling of a number literal in the required domain, if it has one.
-    pub number: Option<Respelt>,
+    /// Spellings of number literals with which the term has the required type, if there are any.
+    pub numbers: Vec<Respelt>,
 }
 
 impl Finding for TypeMismatch {
@@ -45,7 +45,7 @@ impl Finding for TypeMismatch {
             actual,
             expected: wanted,
             because,
-            number,
+            numbers,
             ..
         } = self;
         let finding = diagnostic.label(self.at, format!("expected {wanted}, found {actual}"));
@@ -53,12 +53,20 @@ impl Finding for TypeMismatch {
             Some((because, how)) => finding.label(*because, format!("{how} {wanted}")),
             None => finding,
         };
-        match (number, conversion(wanted, actual)) {
-            (Some(Respelt { at, text, .. }), _) => {
-                finding.fix(format!("write the number as {wanted}"), *at, text.clone())
+        match (numbers.as_slice(), conversion(wanted, actual)) {
+            ([Respelt { at, domain, text }, others @ ..], _) => {
+                let numbers = if others.is_empty() {
+                    "number"
+                } else {
+                    "numbers"
+                };
+                let title = format!("write the {numbers} as {domain}");
+                let fix = Fix::sure(title, *at, text.clone());
+                let all = |fix: Fix, other: &Respelt| fix.and(other.at, other.text.clone());
+                finding.with_fix(others.iter().fold(fix, all))
             }
-            (None, Some(help)) => finding.help(help),
-            (None, None) => finding.help(format!("write a term of type {wanted}")),
+            ([], Some(help)) => finding.help(help),
+            ([], None) => finding.help(format!("write a term of type {wanted}")),
         }
     }
 }

@@ -29,8 +29,10 @@ pub(super) fn initial(model: &Model, program: &Program) -> InitialOrder {
     for index in 0..model.domains.len() as u32 {
         search.add(OrderNode::Domain(DomainId(index)));
     }
-    for index in 0..model.functions.len() as u32 {
-        search.add(OrderNode::Function(FunctionId(index)));
+    for (index, function) in model.functions.iter().enumerate() {
+        if function.initial.is_some() || definition(function).is_some() {
+            search.add(OrderNode::Function(FunctionId(index as u32)));
+        }
     }
     search.order
 }

@@ -132,6 +132,8 @@ impl Nodes<'_, '_> {
             self.findings.report(EmptyFile { at: end });
             return assembly.file;
         }
+        let mut kinds = items.iter();
+        assembly.has_broken = kinds.any(|(_, item, _)| matches!(item, Item::Broken(_)));
         for (start, item, stop) in items {
             assembly.whole = self.span(start, stop);
             assembly.add(item);
@@ -150,6 +152,8 @@ struct FileBuilder<'run> {
     findings: &'run SyntaxFindings,
     text: &'run str,
     file: File,
+    /// Whether a text could not be parsed: the item before it may have lost its end.
+    has_broken: bool,
     /// Span of the item that is being added.
     whole: Span,
     /// The items in correct order so far, since the order last restarted.
@@ -168,6 +172,7 @@ impl<'run> FileBuilder<'run> {
             findings,
             text,
             file: empty(),
+            has_broken: false,
             whole: Span::default(),
             placed: Vec::new(),
             furthest: None,
@@ -363,11 +368,14 @@ impl<'run> FileBuilder<'run> {
         }
     }
 
-    /// Returns the edits that move the current item before the first one that belongs after it.
+    /// Returns the edits that move the current item before the first one that belongs after it; none if an item may lack its
+    /// end.
     fn moved(&self, kind: FileItemKind) -> Vec<Edit> {
         let later = self.placed.iter().find(|(other, _)| *other > kind);
         match later {
-            Some((_, later)) if !kind.is_heading() => order::moved(self.text, self.whole, *later),
+            Some((_, later)) if !kind.is_heading() && !self.has_broken => {
+                order::moved(self.text, self.whole, *later)
+            }
             Some(_) | None => Vec::new(),
         }
     }
@@ -384,7 +392,7 @@ fn kind_of(property: &PropertyKind) -> FileItemKind {
 }
 
 /// Returns a file without contents.
-pub(super) fn empty() -> File {
+pub(crate) fn empty() -> File {
     File {
         asyncr: false,
         module: false,

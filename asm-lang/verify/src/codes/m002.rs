@@ -42,7 +42,7 @@ pub(crate) struct TooManyAlternatives {
 impl Finding for TooManyAlternatives {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic.label(self.at, "in this rule or the rules that it calls").help(
-            "use smaller domains, read fewer inputs in a step, or select values with `--values FUNCTION=…`",
+            "use smaller domains, read fewer inputs in a step, or select values with `--values FUNCTION=…`; a specification on its own can be tried with `--engine symbolic`",
         )
     }
 }

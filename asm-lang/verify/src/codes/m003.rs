@@ -1,11 +1,12 @@
-use crate::formula::{FormulaProblem, Logic, NoFormula};
+use crate::formula::{FormulaProblem, NoFormula};
+use crate::operator::Logic;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Property that is no temporal formula
 ///
 /// A property consists of conditions, to which the operators of one temporal logic and the connectives `not`, `and`, `or`, `implies`,
-/// `iff`, `=`, `if` and quantifiers are applied. Temporal operators cannot be arguments of other functions, and those of CTL cannot
-/// be mixed with those of LTL.
+/// `iff`, `=`, `if` and quantifiers are applied, and functions that are defined in this way. Temporal operators cannot be arguments of
+/// other functions, and those of CTL cannot be mixed with those of LTL.
 ///
 /// ```asm wrong
 /// asm example
@@ -58,6 +59,7 @@ fn reason(problem: &FormulaProblem) -> String {
             "the range of a quantifier over temporal formulas is no finite domain".to_owned()
         }
         FormulaProblem::Count => "the number of steps is no number".to_owned(),
+        FormulaProblem::Invariant(_) => "an invariant is about one state".to_owned(),
     }
 }
 
@@ -76,7 +78,9 @@ impl Finding for NoTemporalFormula {
                 ..
             } => "use `x`, `g`, `f`, `u`, `v` and the operators of the past, or declare a CTLSPEC",
             FormulaProblem::Range => "quantify over an enumeration, or a domain of integers",
-            FormulaProblem::Count => "write a literal, as in `exN(p, 3)`",
+            FormulaProblem::Count => "write a literal, as in `exN(p, 3n)`",
+            FormulaProblem::Invariant(Logic::Ctl) => "declare a CTLSPEC in place of the invariant",
+            FormulaProblem::Invariant(Logic::Ltl) => "declare an LTLSPEC in place of the invariant",
         };
         diagnostic.label(self.problem.at, "here").help(help)
     }

@@ -91,8 +91,7 @@ impl InputCases {
                 value: declared.sort.value(*number),
             })
         });
-        let number = self.numbers.len() as u32;
-        found.inputs.push(values.collect());
+        let number = found.add_inputs(values.collect());
         self.numbers.push(read.clone());
         self.known.insert(read.clone(), number);
         number

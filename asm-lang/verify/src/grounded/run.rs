@@ -80,7 +80,12 @@ pub(crate) struct GroundedRun<'a, const W: usize> {
     /// The node to explore next, and the first one of the next level.
     node: u32,
     level_end: u32,
+    /// Number of nodes when the limits were examined.
+    examined: u32,
 }
+
+/// Number of new nodes after which the limits are examined: a state can have many combinations of inputs.
+const EXAMINED_NODES: u32 = 1 << 16;
 
 impl<const W: usize> GroundedRun<'_, W> {
     /// Explores all states.
@@ -125,6 +130,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             last_label: None,
             node: 0,
             level_end: 1,
+            examined: 0,
         };
         run.run(machine, proceed)
     }
@@ -143,7 +149,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             StoppedRun::Wider(variable, number.unwrap_or(FAULT))
         })?;
         self.found.transitions = 1;
-        self.arrive(HashedState::of(initial), None)?;
+        self.arrive(HashedState::of(initial), None, proceed)?;
         self.found.initial = self.node_count();
         self.level_end = self.found.initial;
         self.found.levels.push(0);
@@ -158,7 +164,7 @@ impl<const W: usize> GroundedRun<'_, W> {
                 let count = waiting.min(ROUND_STATES.saturating_mul(threads));
                 self.round(count, proceed)?;
             } else if self.may_proceed(proceed) {
-                self.expand()?;
+                self.expand(proceed)?;
                 self.node += 1;
             }
             if self.node.is_multiple_of(256) || self.node >= self.node_count() {
@@ -204,16 +210,20 @@ impl<const W: usize> GroundedRun<'_, W> {
             self.found.levels.push(node);
             self.level_end = self.node_count();
         }
-        let reached = Reached {
-            node,
-            states: self.store.len() as u64,
-            explored: self.nodes().state_of(node),
-            memory: self.store.memory() as u64,
-        };
         let limits = self.request.options.limits;
         let limit = self.found.incomplete;
+        let reached = self.reached();
         self.found.incomplete = limit.or_else(|| self.found.limit(limits, reached, proceed));
         self.found.incomplete.is_none()
+    }
+
+    fn reached(&self) -> Reached {
+        Reached {
+            node: self.node,
+            states: self.store.len() as u64,
+            explored: self.nodes().state_of(self.node),
+            memory: self.store.memory() as u64,
+        }
     }
 
     /// Returns the state of the next node.
@@ -227,7 +237,7 @@ impl<const W: usize> GroundedRun<'_, W> {
     }
 
     /// Finds the successors of the next node.
-    fn expand(&mut self) -> Result<(), StoppedRun> {
+    fn expand(&mut self, proceed: &mut dyn FnMut(Progress) -> bool) -> Result<(), StoppedRun> {
         let state = self.state()?;
         let nodes = KnownNodes::of(&self.store, self.cases.as_ref(), &self.found);
         nodes.give(self.node, &mut self.steps);
@@ -245,7 +255,7 @@ impl<const W: usize> GroundedRun<'_, W> {
             let Some(next) = self.steps.successors.states.get(index).copied() else {
                 continue;
             };
-            if let Some(number) = self.arrive(next, Some((self.node, &state)))?
+            if let Some(number) = self.arrive(next, Some((self.node, &state)), proceed)?
                 && self.found.keeps_edges
             {
                 let moved = self.steps.successors.moved.get(index).copied();
@@ -332,7 +342,7 @@ impl<const W: usize> GroundedRun<'_, W> {
                     let number = match part.reached.get(index) {
                         Some(ReachedWords::Known(number)) => Some(*number),
                         Some(ReachedWords::Fresh(next)) => {
-                            self.arrive(*next, Some((self.node, &state)))?
+                            self.arrive(*next, Some((self.node, &state)), proceed)?
                         }
                         None => None,
                     };
@@ -437,7 +447,11 @@ impl<const W: usize> GroundedRun<'_, W> {
         &mut self,
         new: HashedState<W>,
         parent: Option<(u32, &Words<W>)>,
+        proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Option<u32>, StoppedRun> {
+        if self.found.incomplete.is_some() {
+            return Ok(None);
+        }
         let Some((number, is_new)) = self.store.add(&new) else {
             self.found.incomplete = Some(Incomplete::States);
             return Ok(None);
@@ -455,6 +469,12 @@ impl<const W: usize> GroundedRun<'_, W> {
                 parent.map(|(node, _)| node),
                 &mut self.found,
             )?;
+            let count = self.node_count();
+            if count - self.examined >= EXAMINED_NODES {
+                self.examined = count;
+                let (limits, reached) = (self.request.options.limits, self.reached());
+                self.found.incomplete = self.found.resource_limit(limits, reached, proceed);
+            }
         } else if is_new {
             self.found.parents.push(parent.map(|(node, _)| node));
             for index in 0..self.conditions.len() {

@@ -6,8 +6,9 @@ use super::{
     GivenProperty, Monitors, PropertyWatch, ResponseWatch, UnwatchedProperty, WatchedProperty,
 };
 use crate::codes::m003::NoTemporalFormula;
-use crate::formula::{Formula, Formulas, Logic};
-use crate::logic::{self, visit_conditions};
+use crate::formula::{Formula, Formulas};
+use crate::logic::{self, LogicError, visit_conditions};
+use crate::operator::{Logic, TemporalFunctions};
 use crate::preparation::{self, report_of, text_of};
 use crate::property::PropertyKind;
 use asmotion_diagnostics::{Finding, Sources, Span};
@@ -56,6 +57,7 @@ impl Monitors {
         let checked = checked_by_machine(specification, &declared);
         let mut preparation = MonitorPreparation {
             formulas: Formulas {
+                temporal: TemporalFunctions::of(&specification.model),
                 model: &mut specification.model,
                 machine: &machine,
                 first_condition: 0,
@@ -278,10 +280,10 @@ type CompiledFormula = (Result<Monitor, NotMonitorable>, Option<ResponseMonitor>
 
 fn compiled(kind: PropertyKind, formula: &Formula) -> Result<CompiledFormula, String> {
     if kind == PropertyKind::Ctl {
-        let formula = logic::ctl(formula).map_err(|error| error.0)?;
+        let formula = logic::ctl(formula).map_err(LogicError::reason)?;
         return Ok((Monitor::of_ctl(&formula), ResponseMonitor::of_ctl(&formula)));
     }
-    let formula = logic::ltl(formula).map_err(|error| error.0)?;
+    let formula = logic::ltl(formula).map_err(LogicError::reason)?;
     if kind == PropertyKind::Ltl {
         return Ok((Monitor::of_ltl(&formula), ResponseMonitor::of_ltl(&formula)));
     }

@@ -1,10 +1,12 @@
 //! Verdicts about sets of states.
 
 use super::Symbolic;
+use super::walk::Walker;
 use crate::counterexample::Run;
 use crate::explore::Incomplete;
-use crate::formula::{Formula, Operator};
+use crate::formula::Formula;
 use crate::logic::{self, FairnessFormula};
+use crate::operator::Operator;
 use crate::preparation::Property;
 use crate::property::{CheckedProperty, Note, PropertyKind, Verdict};
 use crate::verdicts::{NodeProperty, general, rules_run};
@@ -21,7 +23,7 @@ const MAX_STATES: u64 = 200_000;
 /// Everything that a verdict depends on.
 pub(super) struct SymbolicJudge<'a> {
     symbolic: &'a Symbolic<'a>,
-    model: &'a SymbolicModel,
+    model: &'a SymbolicModel<'a>,
     reached: &'a Reached,
     proceed: &'a dyn Fn() -> bool,
     incomplete: Cell<Option<Incomplete>>,
@@ -32,7 +34,7 @@ pub(super) struct SymbolicJudge<'a> {
 impl<'a> SymbolicJudge<'a> {
     pub fn new(
         symbolic: &'a Symbolic<'a>,
-        model: &'a SymbolicModel,
+        model: &'a SymbolicModel<'a>,
         reached: &'a Reached,
         proceed: &'a dyn Fn() -> bool,
     ) -> Self {
@@ -153,17 +155,10 @@ impl<'a> SymbolicJudge<'a> {
         if which == NodeProperty::All {
             set = self.model.complement(self.reached, &set)?;
         }
-        let shortest = self.model.shortest(self.reached, &set)?;
-        let run = shortest.map(|sets| {
-            let nodes = self.symbolic.walk(self.model, &sets);
-            nodes.map(|nodes| {
-                let mut run = self.symbolic.replay(nodes, None);
-                if which == NodeProperty::All {
-                    run.violated = self.symbolic.properties.violated_at_end(formula);
-                }
-                Box::new(run)
-            })
-        });
+        let mut run = self.of_set(&set)?;
+        if let (NodeProperty::All, Some(Some(run))) = (which, &mut run) {
+            run.violated = self.symbolic.properties.violated_at_end(formula);
+        }
         Ok(match (which, run, self.is_complete()) {
             (NodeProperty::All, Some(run), _) => Verdict::Violated(run),
             (NodeProperty::Some, Some(run), _) => Verdict::Holds(run),
@@ -194,9 +189,7 @@ impl<'a> SymbolicJudge<'a> {
             (_, _, Ok(formula)) => SymbolicFormula::Ctl(formula),
             (_, _, Err(_)) => return Ok(Verdict::Unknown),
         };
-        let checked = self
-            .model
-            .check(self.reached, &formula, &fairness, self.proceed)?;
+        let checked = self.model.check(self.reached, &formula, &fairness)?;
         match checked.fair {
             FairPaths::FromAll => {}
             FairPaths::FromSome => notes.push(Note::Unfair { all: false }),
@@ -209,7 +202,7 @@ impl<'a> SymbolicJudge<'a> {
             return Ok(Verdict::Violated(self.run_of_paths(property)?));
         }
         if checked.fair != FairPaths::FromNone {
-            notes.extend(self.irrelevant(&formula, &fairness));
+            notes.extend(self.irrelevant(property, &formula, &fairness));
         }
         Ok(Verdict::Holds(None))
     }
@@ -218,13 +211,12 @@ impl<'a> SymbolicJudge<'a> {
     /// sufficient to find them.
     fn irrelevant(
         &self,
+        property: &Property,
         formula: &SymbolicFormula<'_>,
         fairness: &[SymbolicFairness],
     ) -> Option<Note> {
         let holds = |formula: SymbolicFormula<'_>| {
-            let checked = self
-                .model
-                .check(self.reached, &formula, fairness, self.proceed)?;
+            let checked = self.model.check(self.reached, &formula, fairness)?;
             Ok::<bool, SymbolicError>(checked.violated.is_empty())
         };
         let vacuity = match formula {
@@ -235,12 +227,14 @@ impl<'a> SymbolicJudge<'a> {
                 vacuity_ltl_by(formula, |it| holds(SymbolicFormula::Ltl(it)))
             }
         };
-        let mut irrelevant: Vec<usize> =
-            vacuity.ok()?.irrelevant.iter().map(|it| it.atom).collect();
-        irrelevant.dedup();
+        let vacuity = vacuity.ok()?;
+        let irrelevant: Vec<usize> = vacuity.irrelevant.iter().map(|it| it.atom).collect();
+        let irrelevant = property.formula.with_all_occurrences(&irrelevant);
         let texts = irrelevant.iter();
         let texts = texts.filter_map(|it| self.symbolic.properties.texts.get(*it).cloned());
-        let texts: Vec<String> = texts.collect();
+        let mut texts: Vec<String> = texts.collect();
+        // a quantifier repeats its condition
+        texts.dedup();
         (!texts.is_empty()).then_some(Note::Irrelevant(texts))
     }
 
@@ -268,10 +262,7 @@ impl<'a> SymbolicJudge<'a> {
             let (count, fails) = self.model.undefined(self.reached, index)?;
             if !fails {
                 undefined = undefined.saturating_add(count);
-            } else if let Some(diagnostic) =
-                self.symbolic
-                    .failed_condition(self.model, self.reached, index)?
-            {
+            } else if let Some(diagnostic) = self.walker().failed_condition(self.reached, index)? {
                 notes.push(Note::Fails(Box::new(diagnostic)));
             }
         }
@@ -296,15 +287,20 @@ impl<'a> SymbolicJudge<'a> {
         let mut found = Vec::new();
         for fault in self.model.faults(self.reached)? {
             if let Some(sets) = self.model.shortest(self.reached, &fault.nodes)? {
-                found.push((sets, fault.origin, fault.class));
+                found.push((sets, fault));
             }
         }
-        found.sort_by_key(|(sets, origin, class)| (sets.len(), *origin, *class));
-        let mut runs = found.iter().map(|(sets, origin, class)| {
-            let nodes = self.symbolic.walk(self.model, sets)?;
-            let failing = self.symbolic.failing(nodes.last()?, *origin, *class)?;
-            Some(self.symbolic.replay(nodes, Some(failing)))
-        });
+        found.sort_by_key(|(sets, fault)| (sets.len(), fault.origin, fault.class));
+        let mut runs = Vec::new();
+        for (sets, fault) in &found {
+            let mut walker = self.walker();
+            let mut walk = self.shown(walker.walk(sets))?.flatten();
+            if let Some(walk) = &mut walk {
+                self.shown(walker.fail(walk, fault))?;
+            }
+            runs.push(walk.map(|walk| self.symbolic.replay(walk)));
+        }
+        let mut runs = runs.into_iter();
         let verdict = match (runs.next(), self.is_complete()) {
             (Some(run), _) => Verdict::Violated(run.map(Box::new)),
             (None, true) => Verdict::Holds(None),
@@ -336,11 +332,24 @@ impl<'a> SymbolicJudge<'a> {
 
     /// Returns a shortest run to a set of nodes, if a reached node is in it.
     fn of_set(&self, set: &NodeSet) -> Result<Option<Option<Box<Run>>>, SymbolicError> {
-        let shortest = self.model.shortest(self.reached, set)?;
-        Ok(shortest.map(|sets| {
-            let nodes = self.symbolic.walk(self.model, &sets)?;
-            Some(Box::new(self.symbolic.replay(nodes, None)))
-        }))
+        let Some(sets) = self.model.shortest(self.reached, set)? else {
+            return Ok(None);
+        };
+        let walk = self.shown(self.walker().walk(&sets))?.flatten();
+        Ok(Some(walk.map(|walk| Box::new(self.symbolic.replay(walk)))))
+    }
+
+    fn walker(&self) -> Walker<'_> {
+        Walker::new(self.symbolic, self.model, self.proceed)
+    }
+
+    /// Returns a run, unless the memory or the time was not sufficient to find it: the verdict that it shows is known.
+    fn shown<T>(&self, run: Result<T, SymbolicError>) -> Result<Option<T>, SymbolicError> {
+        match run {
+            Ok(run) => Ok(Some(run)),
+            Err(SymbolicError::Memory | SymbolicError::Stopped) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     fn rules(&self) -> Result<CheckedProperty, SymbolicError> {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use asmotion_component::{Activity, Scheduler};
+use asmotion_component::{Activity, ThreadUse};
 
 use asmotion_composite::model;
 use asmotion_plan::{Plan, Process, Terminal};
@@ -23,9 +23,10 @@ pub(crate) fn of(component: &asmotion_plan::Component, plan: &Plan) -> Activity 
         .overrun(pace.overrun)
         .on_exception(component.lifecycle.on_exception)
         .max_resets(u32::try_from(component.lifecycle.max_resets).ok())
-        .scheduler(scheduler(pace, process))
+        .scheduler(plan.scheduler_of(component))
         .priority(priority(pace, process))
-        .cpus(processors(pace, process));
+        .cpus(processors(plan.processors_of(component)))
+        .thread(thread(component, plan));
     match pace.deadline_ms {
         Some(ms) => activity.deadline(Duration::from_millis(ms), pace.on_deadline),
         None => activity,
@@ -49,10 +50,13 @@ fn polls(component: &asmotion_plan::Component, plan: &Plan) -> Option<u64> {
 /// Default priority: the lowest of a real-time class.
 const LOWEST_PRIORITY: u8 = 1;
 
-/// Returns the scheduling class of the component or, by default, of its process.
-fn scheduler(pace: &asmotion_plan::Pace, process: Option<&Process>) -> Scheduler {
-    let class = pace.scheduler.or(process.map(|it| it.scheduler));
-    class.unwrap_or_default()
+/// Returns the thread of a component. A slave follows its master, and can bring a deadline into the thread.
+fn thread(component: &asmotion_plan::Component, plan: &Plan) -> Option<ThreadUse> {
+    match &component.pace.master {
+        Some(_) => plan.last_master(component).pace.thread,
+        None if plan.own_thread(component).is_some() => Some(ThreadUse::Own),
+        None => component.pace.thread,
+    }
 }
 
 /// Returns the scheduling priority of the component or, by default, of its process.
@@ -62,8 +66,7 @@ fn priority(pace: &asmotion_plan::Pace, process: Option<&Process>) -> u8 {
     priority.unwrap_or(LOWEST_PRIORITY)
 }
 
-fn processors(pace: &asmotion_plan::Pace, process: Option<&Process>) -> Vec<usize> {
-    let own = Some(&pace.cpu).filter(|own| !own.is_empty());
-    let cpus = own.or(process.map(|it| &it.cpu)).into_iter().flatten();
+fn processors(cpus: &[u64]) -> Vec<usize> {
+    let cpus = cpus.iter();
     cpus.filter_map(|cpu| usize::try_from(*cpu).ok()).collect()
 }

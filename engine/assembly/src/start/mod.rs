@@ -6,6 +6,7 @@ mod policy;
 mod program;
 mod queue;
 mod sending;
+mod specifications;
 mod workshop;
 
 use std::time::Duration;
@@ -20,9 +21,10 @@ use asmotion_composite::model::{self, Transport};
 use asmotion_plan::{InputQueue, Part, Plan, Terminal, robot_address};
 
 pub(crate) use activity::of as activity;
-pub(crate) use coordinator::texts as specification_texts;
 pub(crate) use policy::of as policy;
-pub use workshop::{CoordinatorOptions, Make, Standard, Workshop};
+pub(crate) use sending::{of_port as port_sending, of_topics as topic_sending};
+pub(crate) use specifications::texts as specification_texts;
+pub use workshop::{Builtins, CoordinatorOptions, Make, Standard, Workshop};
 
 /// The error type of starting a plan.
 #[derive(Debug, thiserror::Error)]
@@ -352,9 +354,10 @@ impl Building<'_> {
             if stays_here(wire, service, self.part) {
                 self.system.wire(&caller, &provider, how)?
             } else {
+                let known = |interface: &str| workshop.operations(interface);
                 let system = &mut self.system;
                 self.network
-                    .wire_remote_over(system, &caller, &provider, how, broker)?;
+                    .wire_remote_over(system, &caller, &provider, how, broker, &known)?;
             }
         }
         Ok(())

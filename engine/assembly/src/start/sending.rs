@@ -12,7 +12,7 @@ use asmotion_composite::model::{self, PlannedSending};
 use asmotion_plan::{Connection, End, Part, Plan, Terminal};
 
 /// Returns the options of the topics published by this part.
-pub(super) fn of_topics<'p>(
+pub(crate) fn of_topics<'p>(
     plan: &'p Plan,
     part: &'p Part,
 ) -> impl Iterator<Item = (&'p str, PublishOptions)> {
@@ -39,7 +39,7 @@ pub(super) fn of_topics<'p>(
 }
 
 /// Returns the options of a port with direct connections to other parts.
-pub(super) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
+pub(crate) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
     let from = plan.connections.iter().filter(|connection| {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())

@@ -5,6 +5,7 @@ use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{Component, Interface};
 use asmotion_diagnostics::Loader;
 
+use super::specifications::PreparedSpecifications;
 use super::{coordinator, of_build, program};
 use asmotion_composite::Catalogue;
 use asmotion_plan::{Implementation, Plan};
@@ -49,15 +50,41 @@ impl CoordinatorOptions {
 
 /// The default factory: components from the catalogue, specifications run by coordinators, port-proxies, and other
 /// built-ins through a callback.
+///
+/// It loads and prepares each specification once, however many components it implements.
 pub struct Standard<'a> {
-    /// Catalogue of the components in the executable.
-    pub catalogue: &'a dyn Catalogue,
-    /// Loader of specifications.
-    pub loader: &'a dyn Loader,
-    /// Options of coordinators.
-    pub coordinators: CoordinatorOptions,
-    /// Creates the built-in components unknown to this crate; returns `None` if unsupported.
-    pub builtins: &'a mut dyn FnMut(&asmotion_plan::Component, &Plan) -> Option<Make>,
+    catalogue: &'a dyn Catalogue,
+    coordinators: CoordinatorOptions,
+    specifications: PreparedSpecifications<'a>,
+    builtins: Option<&'a mut Builtins<'a>>,
+}
+
+/// Creates the built-in components that this crate does not know; returns `None` for one that does not exist.
+pub type Builtins<'a> = dyn FnMut(&asmotion_plan::Component, &Plan) -> Option<Make> + 'a;
+
+impl<'a> Standard<'a> {
+    /// Creates a factory with a catalogue of the components in the executable, a loader of specifications and the options of
+    /// coordinators.
+    pub fn new(
+        catalogue: &'a dyn Catalogue,
+        loader: &'a dyn Loader,
+        coordinators: CoordinatorOptions,
+    ) -> Self {
+        Self {
+            catalogue,
+            coordinators,
+            specifications: PreparedSpecifications::new(loader),
+            builtins: None,
+        }
+    }
+
+    /// Adds a factory of the built-in components that this crate does not know.
+    pub fn with_builtins(self, builtins: &'a mut Builtins<'a>) -> Self {
+        Self {
+            builtins: Some(builtins),
+            ..self
+        }
+    }
 }
 
 impl Workshop for Standard<'_> {
@@ -71,7 +98,8 @@ impl Workshop for Standard<'_> {
             }
             Implementation::Asm { file, .. } => {
                 let options = coordinator::options(self.coordinators, component, plan);
-                coordinator::make(component, file, &plan.types, self.loader, options)
+                let prepared = self.specifications.prepared(component, file)?;
+                Ok(coordinator::make(component, prepared, &plan.types, options))
             }
             Implementation::Builtin { .. } if let Some(settings) = &component.bridge => {
                 let settings = settings.clone();
@@ -79,8 +107,11 @@ impl Workshop for Standard<'_> {
                     Ok(Box::new(PortProxy::new(&settings, interface)) as Box<dyn Component>)
                 }))
             }
-            Implementation::Builtin { name, .. } => (self.builtins)(component, plan)
-                .ok_or(format!("the built-in `{name}` is not in this build")),
+            Implementation::Builtin { name, .. } => {
+                let builtins = self.builtins.as_mut();
+                let made = builtins.and_then(|make| make(component, plan));
+                made.ok_or(format!("the built-in `{name}` is not in this build"))
+            }
             Implementation::Process { .. } => program::make(component),
             Implementation::Ros { .. } => Err("ROS nodes cannot be started yet".to_owned()),
             Implementation::Orocos { .. } => {

@@ -39,9 +39,9 @@ impl MotionMonitor {
         self.near_since = None;
     }
 
-    /// Called when the target cannot carry out the command: there is no motion that could end.
-    pub(super) fn abandon(&mut self) {
-        self.goal = None;
+    /// Called when the target cannot carry out the command: there is no motion that could end. Returns whether there was one.
+    pub(super) fn abandon(&mut self) -> bool {
+        self.goal.take().is_some()
     }
 
     /// Handles a sample. If it ends the motion, returns the distance from the goal.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use asmotion_component::{
     Cycle, Dynamic, Flow, In, Interface, Provided, RequestId, ServiceFault, Time,
 };
-use asmotion_datum::Datum;
+use asmotion_datum::{Datum, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::{Mapped, ReplyMode};
@@ -21,6 +21,8 @@ const MAX_KEPT: usize = 1024;
 pub(super) struct ProxiedOperation {
     pub port: String,
     pub conversion: Conversion,
+    /// Type of the argument.
+    pub request: Schema,
     handle: Provided<Dynamic>,
     mode: ReplyMode,
     /// Samples since the last call, for [`ReplyMode::All`].
@@ -53,6 +55,7 @@ impl ProxiedOperation {
         Self {
             port: mapped.port.clone(),
             conversion: mapped.conversion.clone(),
+            request: mapped.operation.request.clone(),
             handle,
             mode: mapped.mode,
             samples: VecDeque::new(),
@@ -124,6 +127,18 @@ impl ProxiedOperation {
         for waiting in self.waiting.drain(..) {
             cycle.reply(self.handle, waiting.request, Err(refusal(code, detail)));
         }
+    }
+
+    /// Called when the target does not handle what was sent: refuses all requests that wait, whatever for.
+    pub(super) fn refuse_all(&mut self, fault: &ServiceFault, cycle: &mut Cycle<'_>) {
+        for waiting in self.waiting.drain(..) {
+            cycle.reply(self.handle, waiting.request, Err(fault.clone()));
+        }
+    }
+
+    /// Returns whether there are samples that no call has read, for [`ReplyMode::All`].
+    pub(super) fn has_samples(&self) -> bool {
+        !self.samples.is_empty()
     }
 
     /// Buffers a sample for [`ReplyMode::All`].

@@ -11,6 +11,8 @@ use crate::conversion::Conversion;
 /// The settings of a proxy.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProxySettings {
+    /// Name of the target in the system.
+    pub target: String,
     /// Outputs of the target, which the proxy reads.
     pub inputs: Vec<ProxyPort>,
     /// Inputs of the target, which the proxy writes.

@@ -54,14 +54,21 @@ impl ChannelListener {
 
 #[async_trait]
 impl ChannelCallback for ChannelListener {
-    async fn close(&mut self, _: &Channel, close: CloseChannel) -> AmqpResult<()> {
+    async fn close(&mut self, channel: &Channel, close: CloseChannel) -> AmqpResult<()> {
         self.forward(BrokerEvent::Closed {
             code: close.reply_code(),
             reason: close.reply_text().to_owned(),
         });
         // the client consents when this returns
         tokio::time::sleep(CLOSE_GRACE).await;
-        Ok(())
+        if channel.is_connection_open() {
+            Ok(())
+        } else {
+            // the connection has been replaced in the meantime, as after the deletion of an exchange: the client's task, which
+            // would panic on a connection that is closed, ends without consent
+            let reason = "its connection is closed".to_owned();
+            Err(amqprs::error::Error::ChannelCloseError(reason))
+        }
     }
 
     async fn cancel(&mut self, _: &Channel, _: Cancel) -> AmqpResult<()> {

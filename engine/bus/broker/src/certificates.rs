@@ -28,6 +28,13 @@ fn certificates() -> Result<Vec<(String, String)>, Error> {
     let authority = parameters.self_signed(&key)?.pem();
     let mut files = vec![("authority.pem".to_owned(), authority)];
     let authority = Issuer::new(parameters, key);
+    // signs itself and claims to be an authority, as tools make them by default
+    let key = KeyPair::generate()?;
+    let mut parameters = CertificateParams::new(["localhost".to_owned()])?;
+    parameters.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+    let alone = parameters.self_signed(&key)?.pem();
+    files.push(("alone.pem".to_owned(), alone));
+    files.push(("alone.key".to_owned(), key.serialize_pem()));
     for (name, host) in [("server", "localhost"), ("client", "tester")] {
         let key = KeyPair::generate()?;
         let mut parameters = CertificateParams::new([host.to_owned()])?;

@@ -130,7 +130,7 @@ fn called<'p>(part: &'p CheckedComponent<'_>) -> Vec<&'p str> {
     let actions = actions.flat_map(|(_, actions)| actions);
     let called = actions.filter_map(|action| match action {
         Action::Call(call) => Some(call.operation.component.value.as_str()),
-        Action::Publish { .. } => None,
+        Action::Publish { .. } | Action::Cancel(_) => None,
     });
     called.collect()
 }

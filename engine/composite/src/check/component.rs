@@ -500,6 +500,7 @@ fn listed(component: &Component, report: &mut Report) -> Endpoints {
                 kind: TypeAt::new(&entry.kind.value, Some(entry.kind.span)),
                 topic: on_topic.then(|| topic(component, &entry.name)),
                 listed: true,
+                optional: false,
             };
             match way {
                 PortDirection::In => face.inputs.push(port),
@@ -575,5 +576,6 @@ pub(crate) fn unknown(
         name: name.value.clone(),
         at: name.span,
         nearest,
+        left_out: None,
     }
 }

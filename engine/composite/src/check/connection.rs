@@ -320,7 +320,7 @@ fn undriven(part: &CheckedComponent<'_>, drivers: &Drivers, report: &mut Report)
         let driven = port.topic.is_some()
             || drivers.inside.contains_key(&key)
             || drivers.elsewhere.contains(&key);
-        if driven {
+        if driven || port.optional {
             continue;
         }
         let (component, port_name) = key;

@@ -117,6 +117,7 @@ impl Compare<'_> {
                     kind: TypeAt::declared(&declared.schema),
                     topic: None,
                     listed: false,
+                    optional: declared.optional,
                 });
             }
         }

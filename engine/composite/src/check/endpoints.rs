@@ -34,6 +34,8 @@ pub struct EndpointPort {
     pub topic: Option<String>,
     /// Whether the composite lists the port; `false` if only the implementation declares it.
     pub listed: bool,
+    /// Whether it is an input that the implementation reads if it is connected.
+    pub optional: bool,
 }
 
 /// A service or a reference.

@@ -133,6 +133,7 @@ impl<'s> Gateways<'s, '_> {
                 name: name.value.clone(),
                 at: name.span,
                 nearest: nearest(name, known),
+                left_out: None,
             });
         }
         found.map(|it| it.name.value.as_str())
@@ -148,6 +149,7 @@ impl<'s> Gateways<'s, '_> {
                 what: "a service over HTTP",
                 rule: "use ASCII letters, digits, `_`, `-` and `.`, as in `/services/NAME`",
                 at: name.span,
+                variable: None,
             });
         }
     }

@@ -13,12 +13,15 @@ use crate::codes::c004::MissingKey;
 use crate::codes::c044::QueueWithoutSize;
 use crate::codes::c048::IdleKey;
 use crate::finding::Findings;
-use crate::model::{Connection, ConnectionType, Delivery, End, Policy, Sharing, Terminal};
+use crate::model::{
+    Connection, ConnectionType, Delivery, End, Implementation, OnStale, Policy, Sharing, Terminal,
+};
 
 pub(super) fn check(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Report) {
     combinations(&connection.policy, report);
     polls(scene, connection, report);
     last_value(scene, connection, report);
+    held(scene, connection, report);
     at_ends(scene, connection, report);
 }
 
@@ -109,6 +112,34 @@ fn last_value(scene: &CheckedComposite<'_>, connection: &Connection, report: &mu
         && !converts(scene, connection)
     {
         idle("mandatory", mandatory, overwrites, report);
+    }
+}
+
+/// Reports an age limit of a reader that uses stale messages all the same, and cannot see that they are: a specification. A
+/// message queue discards them itself.
+fn held(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Report) {
+    let policy = &connection.policy;
+    let is_held = policy
+        .on_stale
+        .as_ref()
+        .is_none_or(|it| it.value == OnStale::Hold);
+    let is_specification = |terminal: &Terminal| {
+        let Terminal::Port(end) = terminal else {
+            return false;
+        };
+        let component = scene.composite.component(&end.component);
+        let made_of = component.and_then(|it| it.implementation.as_ref());
+        matches!(made_of, Some(Implementation::Asm { .. }))
+    };
+    let is_from_queue = |terminal: &Terminal| matches!(terminal, Terminal::Mqueue(_));
+    if let Some(max_age) = &policy.max_age_ms
+        && is_held
+        && !connection.to.is_empty()
+        && connection.to.iter().all(is_specification)
+        && !connection.from.iter().any(is_from_queue)
+    {
+        let reason = "a specification does not see the age of a message: `on_stale = \"no_data\"` discards old ones, and `stale_ms` of its binding replaces their value";
+        idle("max_age_ms", max_age.span, reason, report);
     }
 }
 

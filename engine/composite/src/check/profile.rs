@@ -36,6 +36,7 @@ pub fn profiles(family: &Family, report: &mut Report) -> Vec<String> {
                     name: profile.value.clone(),
                     at: profile.span,
                     nearest: nearest(profile, known.iter().map(|(name, at)| (*name, Some(*at)))),
+                    left_out: None,
                 });
             }
         }

@@ -95,6 +95,7 @@ fn promotion(
                     kind: port.kind.clone(),
                     topic: None,
                     listed: true,
+                    optional: false,
                 };
                 match way {
                     PortDirection::In => face.inputs.push(port),
@@ -129,6 +130,7 @@ fn promotion(
                     name: topic.value.clone(),
                     at: topic.span,
                     nearest: nearest(topic, known),
+                    left_out: None,
                 });
             }
         },

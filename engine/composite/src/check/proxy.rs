@@ -128,6 +128,7 @@ fn mirror(
         kind: port.kind.clone(),
         topic: None,
         listed: true,
+        optional: false,
     };
     match way {
         PortDirection::In => face.outputs.push(mirrored),
@@ -159,6 +160,7 @@ fn mirror_state(
             kind: found.kind.clone(),
             topic: None,
             listed: true,
+            optional: false,
         });
     }
 }

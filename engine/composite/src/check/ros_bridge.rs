@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use asmotion_bridge::FieldConverter;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Report;
+use asmotion_transform::MessageTransform;
 
 use super::builtin::missing;
 use super::component::unknown;
@@ -20,6 +21,7 @@ use crate::codes::c123::{PortTypeDiffers, RosDifference};
 use crate::codes::c170::UnknownRosType;
 use crate::codes::c172::MappedTwice;
 use crate::codes::c173::InvalidRosName;
+use crate::codes::c174::NoTransformation;
 use crate::codes::c184::WrongConverter;
 use crate::finding::Findings;
 use crate::model::{BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
@@ -56,6 +58,7 @@ pub(super) fn check(
         }
         ros_operation::only_for_actions(entry, "belongs to actions", report);
         check_qos(entry, bridge.kind.value, report);
+        check_transform(entry, report);
         check_entry(scene, component, bridge.kind.value, entry, report);
         if entry.direction.value == Direction::ToRos
             && let Some(first) = published.insert(&entry.ros, entry)
@@ -136,6 +139,19 @@ fn check_qos(entry: &RosEntry, kind: BridgeKind, report: &mut Report) {
                 reason,
             });
         }
+    }
+}
+
+/// Checks that the messages of an entry can be transformed into its frame.
+fn check_transform(entry: &RosEntry, report: &mut Report) {
+    let Some(transform) = &entry.transform else {
+        return;
+    };
+    if let Err(reason) = MessageTransform::new(&entry.kind, &transform.frame) {
+        report.found(NoTransformation {
+            reason,
+            at: transform.frame.span,
+        });
     }
 }
 

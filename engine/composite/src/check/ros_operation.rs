@@ -36,6 +36,7 @@ pub(super) fn check_entry(
     let keys = [
         ("qos", entry.qos.is_some()),
         ("convert", !entry.convert.is_empty()),
+        ("transform", entry.transform.is_some()),
     ];
     for (key, _) in keys.into_iter().filter(|(_, is_given)| *is_given) {
         report.found(IdleKey {

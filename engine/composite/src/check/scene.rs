@@ -4,7 +4,7 @@ use crate::codes::c020::UnknownName;
 use crate::codes::c021::UnknownMember;
 use crate::codes::c022::MissingBroker;
 use crate::codes::c025::ImplementationNotInBuild;
-use asmotion_diagnostics::Report;
+use asmotion_diagnostics::{Report, Span};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -121,7 +121,15 @@ impl<'s> CheckedComposite<'s> {
             name: name.value.clone(),
             at: name.span,
             nearest: nearest(name, known),
+            left_out: self.left_out(&name.value),
         });
+    }
+
+    /// Place in the composite that leaves a component of its base out.
+    fn left_out(&self, component: &str) -> Option<Span> {
+        let mut without = self.composite.without.iter();
+        let is_it = |it: &&At<String>| it.value.strip_prefix("components.") == Some(component);
+        without.find(is_it).map(|it| it.span)
     }
 
     /// Returns the port at an end if its component is active; reports an unknown port.
@@ -244,6 +252,7 @@ impl<'s> CheckedComposite<'s> {
                     name: name.value.clone(),
                     at: name.span,
                     nearest: nearest(name, known),
+                    left_out: None,
                 });
             }
             return;

@@ -9,7 +9,7 @@ use asmotion_diagnostics::Report;
 
 use super::scene::CheckedComposite;
 use crate::finding::Findings;
-use crate::model::{Component, OnException, Pace, Scheduler};
+use crate::model::{Component, Implementation, OnException, Pace, Process, Scheduler, ThreadUse};
 
 /// Checks the schedule of a component and its limit of resets.
 pub(crate) fn check(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report) {
@@ -44,8 +44,16 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
             reason: "no cycle is late without `deadline_ms`",
         });
     }
+    if let (Some(overrun), false) = (&pace.overrun, CheckedComposite::has_pace(component)) {
+        report.found(IdleKey {
+            key: Cow::Borrowed("overrun"),
+            at: overrun.span,
+            reason: "a component without a period cycles when messages arrive, and misses no cycle",
+        });
+    }
     if pace.master.is_none() {
         priority(scene, component, pace, report);
+        thread(scene, component, pace, report);
     }
     if let Some(master) = &pace.master {
         slave(pace, report);
@@ -78,11 +86,7 @@ fn priority(scene: &CheckedComposite<'_>, component: &Component, pace: &Pace, re
     let Some(priority) = &pace.priority else {
         return;
     };
-    let name = &component.name.value;
-    let deploy = scene.composite.deploy.as_ref();
-    let mut processes = deploy.iter().flat_map(|it| &it.processes);
-    let process = processes.find(|it| it.components.iter().any(|it| it.value == *name));
-    let of_process = process.and_then(|it| it.scheduler.as_ref());
+    let of_process = process(scene, component).and_then(|it| it.scheduler.as_ref());
     let class = pace.scheduler.as_ref().or(of_process);
     let is_known = class.is_some() || scene.path == scene.family.root;
     if is_known && !class.is_some_and(|it| has_priorities(it.value)) {
@@ -92,6 +96,45 @@ fn priority(scene: &CheckedComposite<'_>, component: &Component, pace: &Pace, re
             reason: NO_PRIORITIES,
         });
     }
+}
+
+/// The process of a component in this composite.
+fn process<'s>(scene: &CheckedComposite<'s>, component: &Component) -> Option<&'s Process> {
+    let name = &component.name.value;
+    let deploy = scene.composite.deploy.as_ref();
+    let mut processes = deploy.into_iter().flat_map(|it| &it.processes);
+    processes.find(|it| it.components.iter().any(|it| it.value == *name))
+}
+
+/// Reports a component that asks to share the executor threads, but cannot.
+fn thread(scene: &CheckedComposite<'_>, component: &Component, pace: &Pace, report: &mut Report) {
+    let Some(thread) = pace
+        .thread
+        .as_ref()
+        .filter(|it| it.value == ThreadUse::Shared)
+    else {
+        return;
+    };
+    let process = process(scene, component);
+    let class = pace.scheduler.as_ref();
+    let class = class.or(process.and_then(|it| it.scheduler.as_ref()));
+    let has_class = class.is_some_and(|it| has_priorities(it.value));
+    let has_processors = !pace.cpu.is_empty() || process.is_some_and(|it| !it.cpu.is_empty());
+    let implementation = component.implementation.as_ref();
+    let reason = if implementation.is_some_and(Implementation::waits_outside) {
+        "a component that waits for another program or for the network has a thread of its own"
+    } else if has_class {
+        "only a thread of its own has a scheduling class"
+    } else if has_processors {
+        "only a thread of its own can be held to processors"
+    } else {
+        return;
+    };
+    report.found(IdleKey {
+        key: Cow::Borrowed("thread"),
+        at: thread.span,
+        reason,
+    });
 }
 
 /// Reports the schedule of a component that cycles after its master, in the thread of that.
@@ -113,6 +156,7 @@ fn slave(pace: &Pace, report: &mut Report) {
         ),
         ("priority", pace.priority.as_ref().map(|it| it.span), within),
         ("cpu", pace.cpu.first().map(|it| it.span), within),
+        ("thread", pace.thread.as_ref().map(|it| it.span), within),
     ];
     for (key, at, reason) in keys {
         if let Some(at) = at {

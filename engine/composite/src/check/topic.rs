@@ -54,7 +54,7 @@ pub(crate) fn check(
     report: &mut Report,
 ) -> Topics {
     for part in &scene.parts {
-        renames(part, report);
+        renames(scene, part, report);
     }
     let topics = collect(scene, links);
     let promotions = scene.composite.promotions.iter();
@@ -199,7 +199,7 @@ fn silent(topic: &str, roles: &[Role], topics: &Topics, report: &mut Report) {
     });
 }
 
-fn renames(part: &CheckedComponent<'_>, report: &mut Report) {
+fn renames(scene: &CheckedComposite<'_>, part: &CheckedComponent<'_>, report: &mut Report) {
     if part.face.blank {
         return;
     }
@@ -215,6 +215,14 @@ fn renames(part: &CheckedComponent<'_>, report: &mut Report) {
         ));
     }
     for rename in &component.rename {
+        // a composite undoes a rename of its base in this way
+        if rename.from.value == rename.to.value && scene.composite.base.is_none() {
+            report.found(IdleKey {
+                key: Cow::Borrowed("rename"),
+                at: rename.to.span,
+                reason: "the topic has this name without it",
+            });
+        }
         if !known.iter().any(|(name, _)| *name == rename.from.value) {
             report.found(UnknownRename {
                 component: component.name.value.clone(),

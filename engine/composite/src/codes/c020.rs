@@ -53,11 +53,26 @@ pub(crate) struct UnknownName {
     pub name: String,
     pub at: Span,
     pub nearest: Option<Nearest>,
+    /// Place in the composite that leaves this component of its base out.
+    pub left_out: Option<Span>,
 }
 
 impl Finding for UnknownName {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        let Self { what, nearest, .. } = self;
+        let Self {
+            what,
+            nearest,
+            name,
+            ..
+        } = self;
+        if let Some(left_out) = self.left_out {
+            return diagnostic
+                .label(self.at, "still named here")
+                .label(left_out, "left out here")
+                .help(format!(
+                    "leave out what belongs to it, too: `deploy.processes.{name}`, or `connections` and `wires` by their ends, as in `connections.{name}.port`"
+                ));
+        }
         diagnostic
             .label(self.at, "not declared")
             .suggest_or(self.at, nearest, way_out(what))

@@ -1,4 +1,4 @@
-use crate::signature::FunctionInfo;
+use crate::signature::{Codomain, FunctionInfo};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Wrong type of substitute value
@@ -91,8 +91,39 @@ impl Finding for WrongLiteralType {
             )
             .label(self.function.declared, "declared here")
             .help(format!(
-                "write a value of `{}`",
-                self.function.codomain.name()
+                "write a value of `{}`, such as `{}`",
+                self.function.codomain.name(),
+                example(&self.function.codomain)
             ))
+    }
+}
+
+/// Returns a value of a codomain as a composite writes it.
+fn example(codomain: &Codomain) -> String {
+    match codomain {
+        Codomain::Boolean => "false".to_owned(),
+        Codomain::Integer => "0".to_owned(),
+        Codomain::Real => "0.5".to_owned(),
+        Codomain::Text | Codomain::Other(_) => "\"text\"".to_owned(),
+        Codomain::Character => "\"c\"".to_owned(),
+        Codomain::Abstract(_) => "\"element\"".to_owned(),
+        Codomain::Enum { literals, .. } => {
+            format!("\"{}\"", literals.first().map_or("LITERAL", String::as_str))
+        }
+        Codomain::List { item, .. } => format!("[{}]", example(item)),
+        Codomain::Tuple { items, .. } => {
+            let items: Vec<String> = items.iter().map(example).collect();
+            format!("[{}]", items.join(", "))
+        }
+        // keys are names of fields, which are quoted if they are no words
+        Codomain::Map { key, item, .. } => {
+            let is_text = matches!(**key, Codomain::Text);
+            let key = if is_text {
+                "name".to_owned()
+            } else {
+                example(key)
+            };
+            format!("{{ {key} = {} }}", example(item))
+        }
     }
 }

@@ -51,6 +51,8 @@ pub(crate) enum Missing {
     Unknown(Option<Nearest>),
     /// It belongs to the composite in this file, which implements the component at `component`.
     Nested { component: String, file: String },
+    /// It is a part of one instance of an element with `for`; all instances have it at this path.
+    OfInstances(String),
 }
 
 impl Finding for NothingToLeaveOut {
@@ -61,6 +63,11 @@ impl Finding for NothingToLeaveOut {
                 let diagnostic = diagnostic.label(self.at, "not in the base");
                 diagnostic.suggest_or(self.at, nearest, way_out)
             }
+            Missing::OfInstances(declared) => diagnostic
+                .label(self.at, "a part of one instance")
+                .help(format!(
+                    "`{declared}` leaves it out of all instances; a whole instance can be left out alone"
+                )),
             Missing::Nested { component, file } => diagnostic
                 .label(self.at, format!("belongs to `{file}`"))
                 .help(format!(

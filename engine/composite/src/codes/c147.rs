@@ -31,7 +31,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// [components.Coordinator]
 /// implementation = { asm = "example.asm" }
 /// subscribe = { estop = "std_msgs/Bool" }
-/// bind = { monitored = { estop = { topic = "estop" } } }
+/// bind = { monitored = { estop = { topic = "estop", none = false } } }
 ///
 /// [[promote]]
 /// topic = "estop"

@@ -27,7 +27,7 @@ use crate::signature::FunctionInfo;
 /// [components.Coordinator]
 /// implementation = { asm = "example.asm" }
 /// subscribe = { estop = "std_msgs/Bool", blocked = "std_msgs/Bool" }
-/// bind = { monitored = { estop = { topic = "estop" }, blocked = { topic = "blocked" } } }
+/// bind = { monitored = { estop = { topic = "estop", none = false }, blocked = { topic = "blocked", none = false } } }
 ///
 /// [[promote]]
 /// topic = "estop"

@@ -86,7 +86,7 @@ impl Finding for InvalidWatch {
                 .help("remove the property, or `temporal = false`"),
             WatchedPart::Property => diagnostic
                 .label(self.at, "not a property of the specification")
-                .help("write a condition, or import CTLLibrary or LTLLibrary in the specification and write a formula"),
+                .help("write a condition, or a formula of CTL or LTL"),
         }
     }
 }

@@ -69,7 +69,7 @@ impl Visit<'_, '_> {
         Some(under)
     }
 
-    /// Removes what a file leaves out of its base, and reports what the base does not have.
+    /// Removes what a file leaves out of its base. Reports what the base does not have, and what the file overrides as a whole.
     fn leave_out(&mut self, table: &Table, base: &str, under: &mut Table) {
         for path in texts_at(table, "without") {
             if let Some(key) = OF_EACH_FILE.iter().find(|it| **it == path.value) {
@@ -81,7 +81,15 @@ impl Visit<'_, '_> {
                 });
                 continue;
             }
+            let is_set = removal::is_overridden(under, table, &path.value);
             let Err(reason) = removal::remove(under, &path.value) else {
+                if is_set {
+                    self.report.found(IdleKey {
+                        key: Cow::Owned(path.value),
+                        at: path.span,
+                        reason: "this file sets it, in place of what its base says",
+                    });
+                }
                 continue;
             };
             let reason = match reason {
@@ -89,6 +97,7 @@ impl Visit<'_, '_> {
                     Missing::Unknown(nearest_name(&path, known.iter().map(String::as_str)))
                 }
                 NotRemoved::Nested { component, file } => Missing::Nested { component, file },
+                NotRemoved::OfInstances(declared) => Missing::OfInstances(declared),
             };
             self.report.found(NothingToLeaveOut {
                 path: path.value,

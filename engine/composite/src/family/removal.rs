@@ -1,5 +1,6 @@
 //! Removal of what a composite leaves out of its base.
 
+use crate::instances::ElementInstances;
 use crate::tree::{Branch, Entry, Node, Table};
 
 /// Keys of a connection, wire or promotion whose values are no ends of it.
@@ -15,6 +16,8 @@ pub(super) enum NotRemoved {
     Missing(Vec<String>),
     /// It belongs to the composite in this file, which implements the component at `component`.
     Nested { component: String, file: String },
+    /// It is a part of one instance; all instances have it at this path.
+    OfInstances(String),
 }
 
 impl NotRemoved {
@@ -33,6 +36,7 @@ impl NotRemoved {
                 component: format!("{key}.{component}"),
                 file,
             },
+            Self::OfInstances(path) => Self::OfInstances(format!("{key}.{path}")),
         }
     }
 }
@@ -54,7 +58,7 @@ pub(super) fn remove(table: &mut Table, path: &str) -> Result<(), NotRemoved> {
     };
     let mut entries = table.entries.iter_mut();
     let Some((rest, entry)) = entries.find_map(|entry| Some((rest(entry)?, entry))) else {
-        return Err(missing(table, path));
+        return remove_instance(table, path);
     };
     let removed = match &mut entry.node.value {
         Branch::Table(table) => remove(table, &rest),
@@ -66,6 +70,63 @@ pub(super) fn remove(table: &mut Table, path: &str) -> Result<(), NotRemoved> {
         | Branch::Date(_) => Err(NotRemoved::Missing(Vec::new())),
     };
     removed.map_err(|reason| reason.within(&entry.key.value))
+}
+
+/// Removes an instance of an element with `for`, whose other instances stay.
+fn remove_instance(table: &mut Table, path: &str) -> Result<(), NotRemoved> {
+    for (at, entry) in table.entries.iter_mut().enumerate() {
+        let Some(instances) = ElementInstances::of(&entry.node) else {
+            continue;
+        };
+        let names = instances.names(&entry.key.value);
+        if names.iter().any(|name| name == path) {
+            match instances.keeping(|index| names.get(index).is_none_or(|name| name != path)) {
+                Some(others) => entry.node = others,
+                None => drop(table.entries.remove(at)),
+            }
+            return Ok(());
+        }
+        let mut parts = names.iter();
+        let part = parts.find_map(|name| path.strip_prefix(name)?.strip_prefix('.'));
+        if let Some(part) = part {
+            return Err(NotRemoved::OfInstances(format!(
+                "{}.{part}",
+                entry.key.value
+            )));
+        }
+    }
+    Err(missing(table, path))
+}
+
+/// Returns whether `over`, laid over `table`, replaces all of the element at `path`, so that its removal changes nothing.
+pub(super) fn is_overridden(table: &Table, over: &Table, path: &str) -> bool {
+    if let (Some(under), Some(over)) = (table.get(path), over.get(path)) {
+        return covers(&over.node, &under.node);
+    }
+    let mut entries = table.entries.iter();
+    let found = entries.find_map(|under| {
+        let rest = path.strip_prefix(&under.key.value)?.strip_prefix('.')?;
+        Some((rest, under, over.get(&under.key.value)?))
+    });
+    let Some((rest, under, over)) = found else {
+        return false;
+    };
+    match (&under.node.value, &over.node.value) {
+        (Branch::Table(under), Branch::Table(over)) => is_overridden(under, over, rest),
+        // a value that is no table replaces the one of the base
+        (_, _) => true,
+    }
+}
+
+/// Returns whether `over`, laid over `under`, leaves nothing of it.
+fn covers(over: &Node, under: &Node) -> bool {
+    let (Branch::Table(under), Branch::Table(over)) = (&under.value, &over.value) else {
+        return true;
+    };
+    under.entries.iter().all(|under| {
+        let over = over.get(&under.key.value);
+        over.is_some_and(|over| covers(&over.node, &under.node))
+    })
 }
 
 /// Returns the reason for which a table has no element at `path`.
@@ -96,6 +157,11 @@ fn remove_from(items: &mut Vec<Node>, selector: &str) -> Result<(), NotRemoved> 
     let mut is_removed = false;
     let mut left = Vec::with_capacity(items.len());
     for item in items.iter() {
+        if let Some(rest) = without_instances(item, first, second) {
+            is_removed = true;
+            left.extend(rest);
+            continue;
+        }
         let rest = if let Branch::Table(table) = &item.value {
             without(table, first, second).map(|tables| {
                 let nodes = tables.into_iter().map(|table| Node {
@@ -127,6 +193,30 @@ fn remove_from(items: &mut Vec<Node>, selector: &str) -> Result<(), NotRemoved> 
         }
     });
     Err(NotRemoved::Missing(known.collect()))
+}
+
+/// Returns what is left of a table with `for` without the instances that have an end, or a pair of ends. `None` if none has
+/// it.
+fn without_instances(item: &Node, first: &str, second: Option<&str>) -> Option<Vec<Node>> {
+    let instances = ElementInstances::of(item)?;
+    let mut changed = Vec::new();
+    let mut left = Vec::new();
+    for (index, element) in instances.elements().into_iter().enumerate() {
+        if let Branch::Table(table) = &element.value
+            && let Some(tables) = without(table, first, second)
+        {
+            changed.push(index);
+            left.extend(tables.into_iter().map(|table| Node {
+                span: element.span,
+                value: Branch::Table(table),
+            }));
+        }
+    }
+    if changed.is_empty() {
+        return None;
+    }
+    left.extend(instances.keeping(|index| !changed.contains(&index)));
+    Some(left)
 }
 
 /// Returns what is left of a table without an end, or without a pair of ends: nothing, the table with fewer ends, or two
@@ -351,6 +441,90 @@ components = ["Joystick", "Monitor"]
         let left = without("deploy.processes.desk.components.Joystick");
         assert!(left.contains("components = Monitor"), "{left}");
         assert!(!left.contains("components = Joystick"), "{left}");
+    }
+
+    const INSTANCES: &str = r#"
+[components.Rover]
+for = "$r in 1..3"
+properties = { seed = "$r" }
+
+[components."Arm_$side"]
+for = [{ side = "left", x = 1.5 }, { side = "right", x = 2.5 }]
+
+[[connections]]
+for = "$r in 1..3"
+from = "Rover$r.pose"
+to = ["Map.poses", "Log.poses"]
+"#;
+
+    /// The text of the elements with `for` after the removal of `path`, with their instances in their place.
+    fn instances_without(path: &str) -> Result<String, NotRemoved> {
+        let (mut table, errors) = parse(FileId(0), INSTANCES);
+        assert!(errors.is_empty());
+        remove(&mut table, path)?;
+        let mut lines = Vec::new();
+        let mut elements = |name: &str, node: &Node| match ElementInstances::of(node) {
+            Some(instances) => {
+                let names = instances.names(name).into_iter();
+                for (name, it) in names.zip(instances.elements()) {
+                    value(&it.value, &name, &mut lines);
+                }
+            }
+            None => value(&node.value, name, &mut lines),
+        };
+        for entry in &table.entries {
+            if let Branch::Table(named) = &entry.node.value {
+                for it in &named.entries {
+                    elements(&it.key.value, &it.node);
+                }
+            } else if let Branch::List(items) = &entry.node.value {
+                items.iter().for_each(|it| elements("", it));
+            }
+        }
+        Ok(lines.join("\n"))
+    }
+
+    #[test]
+    fn an_instance_is_removed_and_the_others_stay() {
+        let left = instances_without("components.Rover2").unwrap();
+        assert!(
+            left.contains("Rover1.properties.seed") && left.contains("Rover3.properties.seed"),
+            "{left}"
+        );
+        assert!(!left.contains("Rover2.properties"), "{left}");
+        let left = instances_without("components.Arm_left").unwrap();
+        assert!(left.contains("Rover2"), "{left}");
+        let left = instances_without("connections.Rover2.pose").unwrap();
+        assert!(!left.contains("from = Rover2.pose"), "{left}");
+        assert_eq!(
+            left.matches("to = Map.poses Log.poses").count(),
+            2,
+            "{left}"
+        );
+        let left = instances_without("connections.Rover2.pose -> Log.poses").unwrap();
+        assert_eq!(
+            left.matches("to = Map.poses Log.poses").count(),
+            2,
+            "{left}"
+        );
+        assert!(left.contains("from = Rover2.pose\n"), "{left}");
+        // an end that all instances have
+        let left = instances_without("connections.Log.poses").unwrap();
+        assert!(
+            !left.contains("Log") && left.contains("Rover2.pose"),
+            "{left}"
+        );
+    }
+
+    #[test]
+    fn a_part_of_one_instance_is_one_of_all() {
+        let reason = instances_without("components.Rover2.properties.seed").unwrap_err();
+        let path = "components.Rover.properties.seed".to_owned();
+        assert_eq!(reason, NotRemoved::OfInstances(path));
+        assert!(matches!(
+            instances_without("components.Rover4"),
+            Err(NotRemoved::Missing(_))
+        ));
     }
 
     #[test]

@@ -40,7 +40,7 @@ impl Bind {
             .flat_map(|(_, actions)| actions)
             .filter_map(|action| match action {
                 Action::Call(call) => Some(call.as_ref()),
-                Action::Publish { .. } => None,
+                Action::Publish { .. } | Action::Cancel(_) => None,
             })
     }
 }
@@ -160,7 +160,7 @@ pub struct Published {
     /// The name under `publish` or `ports.out`.
     #[key(name = "topic", example = "\"command\"")]
     pub port: At<String>,
-    /// Message field that receives the value.
+    /// Message field that receives the value; fields of a topic with the same key are sent in one message.
     #[key(example = "\"data\"")]
     pub field: Option<MessagePath>,
     /// For each variable of the location, the field that takes the element.
@@ -192,6 +192,10 @@ pub enum Action {
         #[key(example = "\"@path\"")]
         value: Argument,
     },
+    /// `true` cancels the call under way that an earlier update of the function made. Updates to values without an action leave
+    /// it under way; those to values with another action cancel it as well.
+    #[key(name = "cancel", example = "true")]
+    Cancel(At<bool>),
 }
 
 /// A call of a service.

@@ -5,6 +5,7 @@ use asmotion_diagnostics::Span;
 
 use super::binding::Bind;
 use super::implementation::Implementation;
+use super::instances::Instances;
 use super::limits::DAY_MS;
 use super::pace::{Lifecycle, Pace};
 use super::setting::Setting;
@@ -23,6 +24,10 @@ pub struct Component {
     /// Name of the component, unique in the composite.
     #[key(entry = thing)]
     pub name: At<String>,
+    /// Instances: one component for each value of a variable, which is substituted in its names and strings. A string that is
+    /// only the variable becomes its value. The components have the name with `$r`, or with the value at its end.
+    #[key(name = "for", example = "\"$r in 1..20\"")]
+    pub instances: Option<Instances>,
     /// Program, specification or composite that implements the component.
     #[key(needed, example = "{ rust = \"nav::MapServer\" }")]
     pub implementation: Option<Implementation>,
@@ -250,6 +255,10 @@ pub struct StatedProperty {
     reason = "an entry maps either an operation or a topic",
     resolved = PlannedMapEntry
 )]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a composite has few entries, and most of them are of this variant"
+)]
 pub enum MapEntry {
     /// Mapping of a port-proxy.
     #[key(flatten)]
@@ -329,6 +338,21 @@ pub struct RosEntry {
     /// enumeration, as in `IDLE = 0, MOVING = 1`.
     #[key(example = "{ angle = \"rad = deg\" }")]
     pub convert: Vec<NamedValue<At<String>>>,
+    /// Topics: transform stamped messages into another frame, by the transforms of `/tf` and `/tf_static` in ROS.
+    #[key(example = "{ frame = \"map\" }")]
+    pub transform: Option<FrameTransform>,
+}
+
+/// Transformation of stamped messages into another frame.
+#[derive(Clone, Debug, Table)]
+#[table(of = "`transform`", example = "{ frame = \"map\" }", resolved = PlannedFrameTransform)]
+pub struct FrameTransform {
+    /// Frame of the messages that are passed on.
+    #[key(example = "\"map\"")]
+    pub frame: At<String>,
+    /// Time for which a message waits for the transforms at its stamp; then it is dropped, counted and reported.
+    #[key(unit = "milliseconds", range = 0..=60_000, default = 200)]
+    pub timeout_ms: Option<At<u64>>,
 }
 
 /// Quality of service of a mapped topic, in the terms of ROS 2.

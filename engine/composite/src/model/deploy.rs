@@ -4,6 +4,7 @@ use asmotion_component::Scheduler;
 use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
+use super::instances::Instances;
 use super::limits::DAY_MS;
 use crate::at::At;
 
@@ -36,6 +37,10 @@ pub struct Process {
     /// Name used by `asmotion up` and `--process`.
     #[key(example = "\"onboard\"", form = thing)]
     pub name: At<String>,
+    /// Instances: one element for each value of a variable, which is substituted in its names and strings, as in
+    /// `"R$r.scan"`. A string that is only the variable becomes its value.
+    #[key(name = "for", example = "\"$r in 1..20\"", written)]
+    pub instances: Option<Instances>,
     /// Host of the process; any by default.
     #[key(example = "\"robot\"")]
     pub host: Option<At<String>>,
@@ -104,4 +109,17 @@ pub struct Record {
     /// File size at which a new file is started.
     #[key(unit = "megabytes", range = 1..=1_000_000, default = 256)]
     pub rotate_mb: Option<At<u64>>,
+    /// Readers of the recordings.
+    #[key(name = "for", default)]
+    pub readers: Option<At<RecordReaders>>,
+}
+
+/// Readers of recordings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
+pub enum RecordReaders {
+    /// Viewers such as Foxglove, Lichtblick and PlotJuggler.
+    #[default]
+    Viewers,
+    /// Tools for bags of ROS 2, such as `ros2 bag` and `rosbags`.
+    Ros2,
 }

@@ -25,11 +25,13 @@ pub(super) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
     let Some((component, name)) = split else {
         let rule = "write two parts, as in `Component.port`";
         let text_shown = text.value.clone();
+        let variable = reader.unknown_variable(text, text.span);
         reader.report.found(InvalidName {
             text: text_shown,
             what: "a connection end",
             rule,
             at: text.span,
+            variable,
         });
         return None;
     };
@@ -75,6 +77,7 @@ pub(super) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Message
                 what: "a path",
                 rule,
                 at: text.span,
+                variable: None,
             });
             return None;
         }

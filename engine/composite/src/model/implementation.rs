@@ -82,6 +82,11 @@ pub enum Implementation {
     },
 }
 
+/// Returns whether a built-in component talks to other programs.
+fn is_outside(name: &str) -> bool {
+    BuiltinComponent::of_word(name).is_some_and(|it| it != BuiltinComponent::PortProxy)
+}
+
 impl Implementation {
     /// Default of `start_timeout_s` in seconds.
     pub(crate) const START_TIMEOUT_S: f64 = 10.0;
@@ -102,6 +107,20 @@ impl Implementation {
         }
     }
 
+    /// Returns whether cycles can wait for another program or for the network: such a component does not share a thread with
+    /// others.
+    pub fn waits_outside(&self) -> bool {
+        match self {
+            Self::Process { .. } => true,
+            Self::Builtin { name, .. } => is_outside(&name.value),
+            Self::Rust(_)
+            | Self::Asm { .. }
+            | Self::Composite(_)
+            | Self::Ros { .. }
+            | Self::Orocos { .. } => false,
+        }
+    }
+
     /// Returns the built-in component; `None` for other implementations and unknown names.
     pub fn builtin(&self) -> Option<BuiltinComponent> {
         match self {
@@ -114,9 +133,33 @@ impl Implementation {
             | Self::Orocos { .. } => None,
         }
     }
+
+    /// Returns the target of a port-proxy; `None` for any other component.
+    pub fn proxy_target(&self) -> Option<&At<String>> {
+        let is_proxy = self.builtin() == Some(BuiltinComponent::PortProxy);
+        match self {
+            Self::Builtin { target, .. } if is_proxy => target.as_ref(),
+            Self::Builtin { .. }
+            | Self::Rust(_)
+            | Self::Asm { .. }
+            | Self::Composite(_)
+            | Self::Process { .. }
+            | Self::Ros { .. }
+            | Self::Orocos { .. } => None,
+        }
+    }
 }
 
 impl PlannedImplementation {
+    /// Returns whether cycles can wait for another program or for the network, as those of [`Implementation::waits_outside`].
+    pub fn waits_outside(&self) -> bool {
+        match self {
+            Self::Process { .. } => true,
+            Self::Builtin { name, .. } => is_outside(name),
+            Self::Rust(_) | Self::Asm { .. } | Self::Ros { .. } | Self::Orocos { .. } => false,
+        }
+    }
+
     /// Returns the address of the component of another robot that a component stands for, `robot://ROBOT/Component`.
     pub fn robot_component(&self) -> Option<&str> {
         match self {

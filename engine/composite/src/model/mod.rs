@@ -9,6 +9,7 @@ mod deploy;
 mod end_text;
 mod endpoint;
 mod implementation;
+mod instances;
 mod limits;
 mod pace;
 mod promote;
@@ -18,18 +19,22 @@ mod value;
 mod wiring;
 
 pub use crate::template::{Piece, Template};
-pub use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
+pub use asmotion_component::{
+    Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing, ThreadUse,
+};
 pub use asmotion_datum::Codec;
 pub use component::{
-    Busy, Component, Condition, Direction, Durability, Idle, ListLength, Listed, MapEntry,
-    MessagePath, Notify, PlannedIdle, PlannedListLength, PlannedMapEntry, PlannedNotify,
-    PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedRosQos, PlannedSpecialKeys,
-    PlannedStatedProperty, PlannedVerify, PlannedWatch, Plot, Ports, ProxyEntry, ProxyMode, Rename,
-    RosEntry, RosQos, RosReliability, SpecialKeys, StatedProperty, Verify, Wanted, Watch,
+    Busy, Component, Condition, Direction, Durability, FrameTransform, Idle, ListLength, Listed,
+    MapEntry, MessagePath, Notify, PlannedFrameTransform, PlannedIdle, PlannedListLength,
+    PlannedMapEntry, PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedRosQos,
+    PlannedSpecialKeys, PlannedStatedProperty, PlannedVerify, PlannedWatch, Plot, Ports,
+    ProxyEntry, ProxyMode, Rename, RosEntry, RosQos, RosReliability, SpecialKeys, StatedProperty,
+    Verify, Wanted, Watch,
 };
 pub use composite::{Composite, Head};
 pub use deploy::{
-    Deploy, PlannedProcess, PlannedRecord, PlannedRestart, Process, Record, Restart, RestartPolicy,
+    Deploy, PlannedProcess, PlannedRecord, PlannedRestart, Process, Record, RecordReaders, Restart,
+    RestartPolicy,
 };
 pub(crate) use end_text::ROS;
 pub use endpoint::{
@@ -37,6 +42,7 @@ pub use endpoint::{
     PlannedReconnect, Reconnect, Tls,
 };
 pub use implementation::{BuiltinComponent, Implementation, PlannedImplementation};
+pub use instances::Instances;
 pub use limits::DEFAULT_TIMEOUT_MS;
 pub use pace::{Lifecycle, Pace, PlannedLifecycle, PlannedPace};
 pub use promote::{Promoted, Promotion};

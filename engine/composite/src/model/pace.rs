@@ -1,6 +1,6 @@
 //! Scheduling and lifecycle of components: the tables `task` (TCA) and `activity` (RTT).
 
-use asmotion_component::{OnDeadline, OnException, Overrun, Scheduler};
+use asmotion_component::{OnDeadline, OnException, Overrun, Scheduler, ThreadUse};
 use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
@@ -49,6 +49,9 @@ pub struct Pace {
     /// Processor affinity; that of the process by default.
     #[key(within = "activity", range = 0..=1023, example = "[1]")]
     pub cpu: Vec<At<u64>>,
+    /// Thread in real time: its own, or the executor threads that components share; its own by default if it has a scheduling
+    /// class, processors or a deadline.
+    pub thread: Option<At<ThreadUse>>,
     /// Maximum duration of a cycle.
     #[key(within = "activity", unit = "milliseconds", range = 1..=DAY_MS)]
     pub deadline_ms: Option<At<Amount>>,

@@ -3,6 +3,7 @@
 use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
+use super::instances::Instances;
 use super::limits::DAY_MS;
 use super::wiring::End;
 use super::wiring::Transport;
@@ -17,6 +18,10 @@ use crate::at::At;
 pub struct Promotion {
     /// Source location of the promotion.
     pub span: Span,
+    /// Instances: one element for each value of a variable, which is substituted in its names and strings, as in
+    /// `"R$r.scan"`. A string that is only the variable becomes its value.
+    #[key(name = "for", example = "\"$r in 1..20\"")]
+    pub instances: Option<Instances>,
     /// Promoted element.
     #[key(flatten)]
     pub what: Promoted,

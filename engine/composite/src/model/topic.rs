@@ -3,6 +3,7 @@
 use asmotion_datum::Codec;
 use asmotion_derive::{Table, Word};
 
+use super::instances::Instances;
 use crate::at::At;
 
 /// Settings of a topic sent over a broker. Omitted keys are derived from the connections.
@@ -12,6 +13,10 @@ pub struct Topic {
     /// Name of the topic.
     #[key(entry = topic)]
     pub name: At<String>,
+    /// Instances: one element for each value of a variable, which is substituted in its names and strings, as in
+    /// `"R$r.scan"`. A string that is only the variable becomes its value.
+    #[key(name = "for", example = "\"$r in 1..20\"", written)]
+    pub instances: Option<Instances>,
     /// Keep messages until the broker has confirmed them and resend them if necessary.
     pub confirm: Option<At<bool>>,
     /// Handling of messages while the broker is unreachable.

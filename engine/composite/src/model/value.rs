@@ -2,7 +2,9 @@
 
 use std::net::SocketAddr;
 
-use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
+use asmotion_component::{
+    Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing, ThreadUse,
+};
 use asmotion_coordinator::{PublishWhen, Receive};
 use asmotion_datum::{Codec, Word};
 use serde_json::{Value as Json, json};
@@ -11,7 +13,7 @@ use toml_edit::Value as Toml;
 use super::component::{
     Busy, Condition, Direction, Durability, MessagePath, ProxyMode, RosReliability,
 };
-use super::deploy::RestartPolicy;
+use super::deploy::{RecordReaders, RestartPolicy};
 use super::end_text;
 use super::endpoint::{Address, BridgeKind, Tls};
 use super::implementation::BuiltinComponent;
@@ -63,7 +65,7 @@ macro_rules! words {
 
 words! {
     BridgeKind BuiltinComponent Busy Cancel Codec Delivery Direction Durability ConnectionType Lock OnDeadline OnException OnStale Outage Overrun
-    ProxyMode PublishWhen Receive RestartPolicy RosReliability Scheduler Sharing Tls Transport
+    ProxyMode PublishWhen Receive RecordReaders RestartPolicy RosReliability Scheduler Sharing ThreadUse Tls Transport
 }
 
 /// Documents the words, below the documentation of their key.

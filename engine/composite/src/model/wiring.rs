@@ -4,6 +4,7 @@ use asmotion_component::{Lock, OnStale, Sharing};
 use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
+use super::instances::Instances;
 use super::limits::{DAY_MS, DEFAULT_TIMEOUT_MS};
 use crate::at::At;
 use crate::template::Template;
@@ -71,6 +72,10 @@ impl std::fmt::Display for Terminal {
 pub struct Wire {
     /// Source location of the wire.
     pub span: Span,
+    /// Instances: one element for each value of a variable, which is substituted in its names and strings, as in
+    /// `"R$r.scan"`. A string that is only the variable becomes its value.
+    #[key(name = "for", example = "\"$r in 1..20\"", written)]
+    pub instances: Option<Instances>,
     /// Reference of the calling component.
     #[key(example = "\"Coordinator.planner\"")]
     pub reference: End,
@@ -167,6 +172,10 @@ pub struct Retry {
 pub struct Connection {
     /// Source location of the connection.
     pub span: Span,
+    /// Instances: one element for each value of a variable, which is substituted in its names and strings, as in
+    /// `"R$r.scan"`. A string that is only the variable becomes its value.
+    #[key(name = "for", example = "\"$r in 1..20\"")]
+    pub instances: Option<Instances>,
     /// Writers: `Component.port`, `topic:name` or `mqueue:/name`.
     #[key(needed, one, example = "\"Laser.scan\"")]
     pub from: Vec<Terminal>,

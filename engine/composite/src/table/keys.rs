@@ -14,11 +14,13 @@ use crate::codes::c004::MissingKey;
 use crate::codes::c005::WrongKeyType;
 use crate::codes::c006::UnknownOption;
 use crate::codes::c007::KeyOutOfRange;
+use crate::codes::c009::UnknownVariable;
 use crate::codes::c010::ExclusiveKeys;
 use crate::codes::c011::SubstitutionNotAllowed;
 use crate::codes::c012::InvalidSubstitution;
 use crate::finding::Findings;
 use crate::nearest::{Nearest, nearest_name};
+use crate::range::shown;
 use crate::template::{self, Template};
 use crate::tree::{Branch, Entry, Node, Table};
 
@@ -26,12 +28,30 @@ use crate::tree::{Branch, Entry, Node, Table};
 pub(crate) struct Reader<'t> {
     text: &'t str,
     pub report: Report,
+    /// Elements that are instances of one, each with the variables of its `for`, without `$`.
+    pub instances: Vec<(Span, Vec<String>)>,
+    /// Entries of tables of names that could not be read: the key of the table, and the name.
+    pub unread: Vec<(&'static str, String)>,
 }
 
 impl<'t> Reader<'t> {
     pub(crate) fn new(text: &'t str) -> Self {
         let report = Report::new();
-        Self { text, report }
+        Self {
+            text,
+            report,
+            instances: Vec::new(),
+            unread: Vec::new(),
+        }
+    }
+
+    /// Returns the variable in a text that is none of the `for` of its element.
+    pub(crate) fn unknown_variable(&self, text: &str, at: Span) -> Option<UnknownVariable> {
+        let contains =
+            |place: &Span| place.file == at.file && place.start <= at.start && at.end <= place.end;
+        let mut instances = self.instances.iter().filter(|(place, _)| contains(place));
+        let known = instances.next().map(|(_, known)| known.clone());
+        UnknownVariable::in_text(text, known.unwrap_or_default())
     }
 
     /// Opens a table.
@@ -111,9 +131,9 @@ impl<'t> Reader<'t> {
         }
         self.report.found(KeyOutOfRange {
             key: key.to_owned(),
-            value: number.to_string(),
-            least: spec.least.to_string(),
-            greatest: spec.greatest.to_string(),
+            value: shown(number),
+            least: shown(spec.least),
+            greatest: shown(spec.greatest),
             at: node.span,
         });
         None
@@ -252,7 +272,13 @@ impl<'n> Keys<'_, '_, 'n> {
             }
             (Many::Names, Branch::Table(table)) => {
                 let entries = table.entries.iter();
-                let read = entries.filter_map(|it| V::read(reader, &it.key, key, &it.node));
+                let read = entries.filter_map(|it| {
+                    let read = V::read(reader, &it.key, key, &it.node);
+                    if read.is_none() {
+                        reader.unread.push((key.name, it.key.value.clone()));
+                    }
+                    read
+                });
                 return read.collect();
             }
             (Many::OneOrList, _) => {

@@ -46,11 +46,13 @@ pub(crate) fn accept(
 ) -> Option<At<String>> {
     if !good {
         let text: String = name.chars().take(60).collect();
+        let variable = reader.unknown_variable(name, name.span);
         reader.report.found(InvalidName {
             text,
             what,
             rule,
             at: name.span,
+            variable,
         });
         return None;
     }

@@ -41,6 +41,7 @@ impl Value for FieldText {
                 what: "a type",
                 rule: "write a name, a list `name[]` or an array `name[5]`",
                 at: written.span,
+                variable: None,
             });
             // the field exists, so that its uses need no finding of their own
             let (name, text) = (key.clone(), None);

@@ -17,8 +17,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::DEPTH;
-use crate::error::{DatumError, DatumProblem};
-use crate::value::{Datum, FieldName};
+use crate::error::{DatumError, DatumProblem, repeated_name};
+use crate::value::{Datum, FieldName, repeated};
 
 /// Tag of a reference to shared memory: `[offset, length]` in place of a byte string.
 pub const SHARED_TAG: u64 = 6_386_541;
@@ -249,7 +249,10 @@ fn record(
         entries.push((name.into(), value));
         Ok(())
     })?;
-    Ok(Datum::Record(entries))
+    match repeated(&entries) {
+        Some(name) => Err(repeated_name(name)),
+        None => Ok(Datum::Record(entries)),
+    }
 }
 
 /// Reads a tagged item: a typed array (RFC 8746) becomes packed numbers. A tag that leaves the meaning of its content as it is,

@@ -4,8 +4,8 @@
 use serde::de::DeserializeOwned;
 use serde::ser::{Serialize, Serializer};
 
-use crate::error::{DatumError, DatumProblem};
-use crate::value::Datum;
+use crate::error::{DatumError, DatumProblem, repeated_name};
+use crate::value::{Datum, repeated};
 
 /// Encodes any serde value as JSON on one line.
 ///
@@ -41,7 +41,37 @@ pub fn decode<T: DeserializeOwned>(text: &str) -> Result<T, DatumError> {
 
 /// Decodes one datum from JSON in UTF-8. The parser limits the nesting depth itself.
 pub(super) fn read_whole(text: &[u8]) -> Result<Datum, DatumError> {
-    serde_json::from_slice(text).map_err(malformed)
+    let datum = serde_json::from_slice(text).map_err(malformed)?;
+    check_names(&datum)?;
+    Ok(datum)
+}
+
+/// Checks that no record has two entries of one name, which programs read differently (RFC 8259 §4).
+fn check_names(datum: &Datum) -> Result<(), DatumError> {
+    match datum {
+        Datum::Record(entries) => {
+            if let Some(name) = repeated(entries) {
+                return Err(repeated_name(name));
+            }
+            let mut entries = entries.iter();
+            entries.try_for_each(|(name, value)| {
+                check_names(value).map_err(|error| error.within(name))
+            })
+        }
+        Datum::List(elements) => {
+            let mut elements = elements.iter().enumerate();
+            elements.try_for_each(|(index, element)| {
+                check_names(element).map_err(|error| error.within(index))
+            })
+        }
+        Datum::Null
+        | Datum::Bool(_)
+        | Datum::Int(_)
+        | Datum::Float(_)
+        | Datum::Text(_)
+        | Datum::Bytes(_)
+        | Datum::Numbers(_) => Ok(()),
+    }
 }
 
 fn malformed(error: serde_json::Error) -> DatumError {

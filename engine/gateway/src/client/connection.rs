@@ -6,7 +6,6 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asmotion_bus::CallFailure;
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::client::conn::http1::{self, SendRequest};
@@ -20,7 +19,7 @@ use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName};
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
-use super::outcome::refusal;
+use super::outcome::{FailedExchange, refusal, unavailable};
 use super::target::Server;
 
 /// Time for which an idle connection is kept: less than that of common servers, so that a request hardly ever meets a
@@ -88,9 +87,9 @@ impl ConnectionPool {
     }
 
     /// Opens a connection. An error means that the server is unavailable.
-    pub(super) async fn open(&self, server: &Server) -> Result<Connection, CallFailure> {
+    pub(super) async fn open(&self, server: &Server) -> Result<Connection, FailedExchange> {
         let stream = TcpStream::connect((&*server.host, server.port)).await;
-        let stream = stream.map_err(|_| CallFailure::Unavailable)?;
+        let stream = stream.map_err(|error| unavailable(format!("cannot connect: {error}")))?;
         // not essential: without it requests are sent a little later
         let _ = stream.set_nodelay(true);
         if !server.encrypted {
@@ -102,20 +101,36 @@ impl ConnectionPool {
         let stream = stream.map_err(|error| {
             // a server that cannot be trusted, or that does not encrypt; waiting does not help
             if error.kind() == ErrorKind::InvalidData {
-                refusal("NO_TLS", error.to_string())
+                refusal("NO_TLS", explained(&error.to_string())).into()
             } else {
-                CallFailure::Unavailable
+                unavailable(format!("cannot encrypt the connection: {error}"))
             }
         })?;
         handshake(stream).await
     }
 }
 
+/// The reason that a certificate is refused, with the way out where the reason names none.
+fn explained(reason: &str) -> String {
+    if reason.contains("CaUsedAsEndEntity") {
+        "invalid peer certificate: it is the certificate of an authority, as `openssl req -x509` makes them, which is not that of \
+         a server: add `-addext basicConstraints=critical,CA:FALSE`, or sign a certificate for the server with it"
+            .to_owned()
+    } else if reason.contains("UnknownIssuer") {
+        format!(
+            "{reason}: if it is to be trusted, name the file of its authority as `ca` of the wire"
+        )
+    } else {
+        reason.to_owned()
+    }
+}
+
 async fn handshake(
     stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
-) -> Result<Connection, CallFailure> {
+) -> Result<Connection, FailedExchange> {
     let opened = http1::handshake(TokioIo::new(stream)).await;
-    let (sender, connection) = opened.map_err(|_| CallFailure::Unavailable)?;
+    let (sender, connection) =
+        opened.map_err(|error| unavailable(format!("cannot use the connection: {error}")))?;
     // errors reach the request as well
     let task = tokio::spawn(async move { connection.await.unwrap_or_default() });
     Ok(Connection {

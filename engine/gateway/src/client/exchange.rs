@@ -5,14 +5,14 @@ use std::time::Instant;
 use asmotion_bus::{CallFailure, Payload, TraceContext};
 use asmotion_datum::{Codec, Datum, Message};
 use http_body_util::{BodyExt, Full, LengthLimitError, Limited};
-use hyper::body::{Bytes, Incoming};
+use hyper::body::{Body, Bytes, Incoming};
 use hyper::client::conn::TrySendError;
 use hyper::header::{ACCEPT, AUTHORIZATION, CONTENT_TYPE, HOST, HeaderValue, USER_AGENT};
 use hyper::{Method, Request, Response};
 use tokio::time::timeout_at;
 
 use super::connection::{Connection, ConnectionPool};
-use super::outcome::{self, refusal};
+use super::outcome::{self, FailedExchange, refusal, unavailable};
 use super::target::Target;
 use asmotion_http::BearerToken;
 
@@ -31,23 +31,24 @@ pub(super) struct Exchange {
 
 impl Exchange {
     /// Sends the request and waits for the response, until the deadline.
-    pub(super) async fn run(&self, pool: &ConnectionPool) -> Result<Payload, CallFailure> {
+    pub(super) async fn run(&self, pool: &ConnectionPool) -> Result<Payload, FailedExchange> {
         let exchange = self.exchange(pool);
         let result = timeout_at(self.deadline.into(), exchange).await;
-        result.unwrap_or(Err(CallFailure::Timeout))
+        result.unwrap_or(Err(CallFailure::Timeout.into()))
     }
 
-    async fn exchange(&self, pool: &ConnectionPool) -> Result<Payload, CallFailure> {
+    async fn exchange(&self, pool: &ConnectionPool) -> Result<Payload, FailedExchange> {
         let request = self.request()?;
         let (mut connection, response) = self.send(request, pool).await?;
         let (head, body) = response.into_parts();
+        // the length that the server announces, which may never arrive
+        if body.size_hint().lower() > MAX_BODY as u64 {
+            return Err(too_large().into());
+        }
         let body = Limited::new(body, MAX_BODY).collect().await;
         let body = body.map_err(|error| {
             if error.is::<LengthLimitError>() {
-                refusal(
-                    "TOO_LARGE",
-                    format!("the response is longer than {MAX_BODY} bytes"),
-                )
+                too_large()
             } else {
                 refusal("NO_REPLY", format!("the response ended early: {error}"))
             }
@@ -92,7 +93,7 @@ impl Exchange {
         &self,
         request: Request<Full<Bytes>>,
         pool: &ConnectionPool,
-    ) -> Result<(Connection, Response<Incoming>), CallFailure> {
+    ) -> Result<(Connection, Response<Incoming>), FailedExchange> {
         let mut request = request;
         while let Some(mut connection) = pool.take(&self.target.server) {
             match connection.sender.try_send_request(request).await {
@@ -104,18 +105,31 @@ impl Exchange {
         let mut connection = self.connect(pool).await?;
         match connection.sender.try_send_request(request).await {
             Ok(response) => Ok((connection, response)),
-            Err(error) => Err(unsent(error).err().unwrap_or(CallFailure::Unavailable)),
+            Err(error) => Err(match unsent(error) {
+                Err(failure) => failure.into(),
+                Ok(_) => unavailable("the server closes new connections"),
+            }),
         }
     }
 
     /// Opens a connection within half of the time that is left: a server that cannot be reached is unavailable, which the
     /// caller learns before its deadline.
-    async fn connect(&self, pool: &ConnectionPool) -> Result<Connection, CallFailure> {
+    async fn connect(&self, pool: &ConnectionPool) -> Result<Connection, FailedExchange> {
         let now = Instant::now();
         let until = now + self.deadline.saturating_duration_since(now) / 2;
         let opened = timeout_at(until.into(), pool.open(&self.target.server)).await;
-        opened.unwrap_or(Err(CallFailure::Unavailable))
+        opened.unwrap_or_else(|_| {
+            let passed = until.saturating_duration_since(now).as_millis();
+            Err(unavailable(format!(
+                "no connection within {passed} ms, half of the time left"
+            )))
+        })
     }
+}
+
+fn too_large() -> CallFailure {
+    let detail = format!("the response is longer than {MAX_BODY} bytes");
+    refusal("TOO_LARGE", detail)
 }
 
 /// Returns the request if no byte of it has been sent, otherwise the failure of its call.

@@ -10,6 +10,28 @@ use serde_json::Value;
 /// Limit on the characters of an explanation that the server gives.
 const MAX_DETAIL: usize = 300;
 
+/// A call without a response, and why its server is unavailable.
+#[derive(Debug)]
+pub(super) struct FailedExchange {
+    pub failure: CallFailure,
+    pub reason: Option<String>,
+}
+
+impl From<CallFailure> for FailedExchange {
+    fn from(failure: CallFailure) -> Self {
+        let reason = None;
+        Self { failure, reason }
+    }
+}
+
+/// The failure of a call whose server is unavailable for this reason.
+pub(super) fn unavailable(reason: impl Into<String>) -> FailedExchange {
+    FailedExchange {
+        failure: CallFailure::Unavailable,
+        reason: Some(reason.into()),
+    }
+}
+
 /// The failure of a call that the server, or the protocol, refuses.
 pub(super) fn refusal(code: &str, detail: impl Into<String>) -> CallFailure {
     CallFailure::Refused(Refusal {
@@ -19,26 +41,29 @@ pub(super) fn refusal(code: &str, detail: impl Into<String>) -> CallFailure {
 }
 
 /// The result of a call.
-pub(super) fn of(head: &Parts, body: &[u8], one_way: bool) -> Result<Payload, CallFailure> {
+pub(super) fn of(head: &Parts, body: &[u8], one_way: bool) -> Result<Payload, FailedExchange> {
     match head.status {
         status if status.is_success() && (one_way || body.is_empty()) => {
             Ok(Payload::of(Datum::Null))
         }
-        status if status.is_success() => result(head, body),
-        StatusCode::SERVICE_UNAVAILABLE if code_in(body).as_deref() == Some("STOPPED") => {
-            Err(CallFailure::Stopped)
+        status if status.is_success() => Ok(result(head, body)?),
+        StatusCode::SERVICE_UNAVAILABLE if text_in(body, "code").as_deref() == Some("STOPPED") => {
+            Err(CallFailure::Stopped.into())
         }
-        StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS => {
-            Err(CallFailure::Unavailable)
+        status @ (StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS) => {
+            let detail = text_in(body, "detail").map_or(String::new(), |it| format!(": {it}"));
+            Err(unavailable(format!(
+                "the server answers `{status}`{detail}"
+            )))
         }
-        StatusCode::GATEWAY_TIMEOUT => Err(CallFailure::Timeout),
+        StatusCode::GATEWAY_TIMEOUT => Err(CallFailure::Timeout.into()),
         status if status.is_redirection() => {
             let to = head.headers.get(LOCATION).map(|it| it.as_bytes());
             let to = String::from_utf8_lossy(to.unwrap_or_default());
             let detail = format!("redirected to `{to}`: name this URL in the wire");
-            Err(refusal(&code_of(status), shortened(&detail)))
+            Err(refusal(&code_of(status), shortened(&detail)).into())
         }
-        status => Err(problem(status, body)),
+        status => Err(problem(status, body).into()),
     }
 }
 
@@ -67,10 +92,10 @@ fn problem(status: StatusCode, body: &[u8]) -> CallFailure {
     refusal(&code, detail.unwrap_or_else(reason))
 }
 
-/// The code in problem details.
-fn code_in(body: &[u8]) -> Option<String> {
+/// A text in problem details.
+fn text_in(body: &[u8], key: &str) -> Option<String> {
     let details: Value = serde_json::from_slice(body).ok()?;
-    details["code"].as_str().map(shortened)
+    details[key].as_str().map(shortened)
 }
 
 fn code_of(status: StatusCode) -> String {

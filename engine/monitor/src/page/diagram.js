@@ -4,7 +4,7 @@
 import { svg, text, className } from "./dom.js";
 import { layers } from "./layers.js";
 
-const HEIGHT = 30, LAYER = 96;
+const HEIGHT = 30, LAYER = 84;
 
 export class Diagram {
   /** @param {any} diagram @param {(line: number) => void} online */
@@ -40,7 +40,7 @@ export class Diagram {
     for (const state of states) {
       const [x, y] = at.get(state);
       const node = svg("g", { class: "node" }, svg("rect", { x: x - size / 2, y: y - HEIGHT / 2, width: size, height: HEIGHT, rx: 8 }), svg("text", { x, y }, state),
-        svg("text", { class: "count", x: x + size / 2 - 3, y: y - HEIGHT / 2 - 3 }));
+        svg("text", { class: "count", x: x + size / 2 - 4, y: y + HEIGHT / 2 + 9 }));
       if (state === initial) node.prepend(svg("circle", { class: "head", cx: x - size / 2 - 9, cy: y, r: 4 }));
       nodes.append(node);
       this.nodes.set(state, node);

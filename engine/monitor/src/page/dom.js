@@ -61,10 +61,18 @@ export function panel(title, name, head, ...body) {
   return el("section", { class: `panel ${name}`, "aria-label": title }, el("div", { class: "head" }, el("h2", {}, title), head), body);
 }
 
-/** A colour of the style sheet. */
+/** Colours by name: asking the browser for one makes it compute the style of the page. @type {Map<string, string>} */
+const colours = new Map();
+
+/** A colour of the style sheet. @param {string} name */
 export function colour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  let found = colours.get(name);
+  if (found === undefined) colours.set(name, (found = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()));
+  return found;
 }
+
+/** Called when the theme has changed. */
+export function forgetColours() { colours.clear(); }
 
 /** Fits a canvas to its place, and returns its context and its size in CSS pixels. @param {HTMLCanvasElement} canvas */
 export function fitted(canvas) {
@@ -78,7 +86,8 @@ export function fitted(canvas) {
 
 /** A number with a fixed number of decimals, or a dash. */
 export function fixed(value, decimals = 1) {
-  return typeof value === "number" && Number.isFinite(value) ? value.toFixed(decimals) : "–";
+  // what is rounded to zero has no sign
+  return typeof value === "number" && Number.isFinite(value) ? value.toFixed(decimals).replace(/^-(0(\.0*)?)$/, "$1") : "–";
 }
 
 /** A time span in words. @param {number} seconds */

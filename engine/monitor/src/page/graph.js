@@ -3,8 +3,13 @@
 
 import { svg, text, className, list } from "./dom.js";
 import { layers } from "./layers.js";
+import { orphans } from "./findings.js";
 
-const [WIDTH, HEIGHT, COLUMN, ROW] = [146, 40, 252, 60];
+const [WIDTH, HEIGHT, COLUMN, ROW] = [158, 44, 240, 66];
+/** Distance between components without connections. */
+const SPACE = 22;
+/** Scale below which the graph is not drawn smaller, but scrolled. */
+const SMALLEST = 0.76;
 /** Longest label of a connection, in characters. */
 const LABEL = 18;
 
@@ -41,37 +46,45 @@ export class Graph {
     return [...links.values()];
   }
 
-  draw(chosen) {
+  /** @param {string | null} chosen @param {any[]} wanted components that are shown @param {number} most rate up to which connections are shown, Hz */
+  draw(chosen, wanted, most) {
     const { store } = this.app;
-    const links = this.links();
-    const names = store.components.map((it) => it.name);
+    const names = wanted.map((it) => it.name);
+    const rate = (link) => (link.calls ? 0 : Math.min(...[...link.outputs].map((name) => store.output.get(name)?.hz ?? 0)));
+    const links = this.links().filter((it) => names.includes(it.from) && names.includes(it.to) && rate(it) <= most);
+    const missing = new Map(orphans(store).map(({ topic, input }) => [input.slice(0, input.lastIndexOf(".")), `nobody publishes on ${topic}`]));
     const shape = JSON.stringify([names, links.map((it) => it.key)]);
     if (shape !== this.shape) { this.shape = shape; this.place(names, links); }
     const key = (it) => it.key;
     this.taken = [...this.at.values()].map(([x, y]) => [x, y, WIDTH / 2, HEIGHT / 2 + 4]);
     list(this.edges, links, key, () => svg("g", { class: "edge" }, svg("title"), svg("path", { "marker-end": "url(#arrow)" }), svg("text")), (edge, it) => this.edge(edge, it, chosen));
-    list(this.nodes, store.components, (it) => it.name, (it) => this.make(it.name), (node, it) => {
+    list(this.nodes, wanted, (it) => it.name, (it) => this.make(it.name), (node, it) => {
       const stale = store.outputs.some((output) => output.stale && output.name.startsWith(`${it.name}.`));
-      className(node, `node ${it.state !== "Running" || stale ? "bad" : ""} ${it.name === chosen ? "chosen" : ""}`);
+      const isUp = it.state === "Running" || it.state === "";
+      className(node, `node ${!isUp || stale ? "bad" : ""} ${it.name === chosen ? "chosen" : ""}`);
       const [x, y] = this.at.get(it.name);
       node.setAttribute("transform", `translate(${x} ${y})`);
       const inside = it.name.includes("/") ? it.name.slice(0, it.name.indexOf("/")) : "";
-      const rate = it.period_ms ? `${it.rate_hz.toFixed(0)} Hz` : "event";
-      text(node.children[3], it.state === "Running" ? stale ? `⚠ silent  ${rate}` : `${inside ? `${inside} · ` : ""}${rate}  ${it.cycle_mean_ms.toFixed(2)} ms` : `⚠ ${it.state}`);
+      const asked = it.period_ms ? `each ${it.period_ms} ms` : "event";
+      const rate = it.rate_hz > 0 ? `${it.rate_hz.toFixed(0)} Hz` : asked;
+      const took = it.cycle_mean_ms ? `  ${it.cycle_mean_ms.toFixed(2)} ms` : "";
+      text(node.children[3], isUp ? stale ? `⚠ silent  ${rate}` : `${inside ? `${shortened(inside, 10)} · ` : ""}${rate}${took}` : `⚠ ${it.state}`);
+      text(node.children[4], missing.has(it.name) ? `○ ${shortened(missing.get(it.name), 26)}` : "");
     });
   }
 
   make(name) {
     const own = name.slice(name.lastIndexOf("/") + 1);
-    const short = own.length > 20 ? `${own.slice(0, 19)}…` : own;
+    const short = shortened(own, 20);
     return svg("g", { class: "node", onclick: () => this.onchoice(name) }, svg("title", {}, name), svg("rect", { x: -WIDTH / 2, y: -HEIGHT / 2, width: WIDTH, height: HEIGHT, rx: 6 }),
-      svg("text", { y: -3 }, short), svg("text", { class: "small", y: 12 }));
+      svg("text", { y: -3 }, short), svg("text", { class: "small", y: 12 }), svg("text", { class: "small", y: HEIGHT / 2 + 11 }));
   }
 
   place(names, links) {
     this.at = new Map();
     let [width, height] = [0, 8];
-    for (const part of parts(names, links)) {
+    const all = parts(names, links);
+    for (const part of all.filter((it) => it.length > 1)) {
       const inside = links.filter((it) => part.includes(it.from)).map((it) => /** @type {[string, string]} */ ([it.from, it.to]));
       const placed = layers(part, inside);
       const columns = 1 + Math.max(...[...placed.values()].map((it) => it.layer));
@@ -80,17 +93,23 @@ export class Graph {
       width = Math.max(width, columns * COLUMN - COLUMN + WIDTH + 20);
       height += most * ROW + 12;
     }
+    // components without connections fill rows
+    const alone = all.filter((it) => it.length === 1).flat();
+    const columns = Math.max(6, Math.floor((width - WIDTH) / (WIDTH + SPACE)) + 1);
+    alone.forEach((name, index) => this.at.set(name, [10 + WIDTH / 2 + (index % columns) * (WIDTH + SPACE), height + ROW / 2 + Math.floor(index / columns) * ROW]));
+    if (alone.length) width = Math.max(width, Math.min(alone.length, columns) * (WIDTH + SPACE) + 20);
+    height += Math.ceil(alone.length / columns) * ROW;
     this.root.setAttribute("viewBox", `0 0 ${width} ${height}`);
     // what does not fit can be scrolled to; it is not made unreadable
-    this.root.style.minWidth = `${Math.round(width * 0.72)}px`;
-    this.root.style.minHeight = `${Math.round(height * 0.72)}px`;
+    this.root.style.minWidth = `${Math.round(width * SMALLEST)}px`;
+    this.root.style.minHeight = `${Math.round(height * SMALLEST)}px`;
   }
 
   /** A place for a label near this one, where it covers neither a node nor another label. */
   free(x, y, words) {
-    const half = Math.min(words.length, LABEL) * 2.8 + 2;
+    const half = Math.min(words.length, LABEL) * 3.4 + 2;
     for (let shift = 0; shift < 10; shift++) {
-      const row = y + (shift % 2 ? 1 : -1) * Math.ceil(shift / 2) * 11;
+      const row = y + (shift % 2 ? 1 : -1) * Math.ceil(shift / 2) * 12;
       if (this.taken.every(([other, at, width, height]) => Math.abs(at - row) > height || Math.abs(other - x) > half + width)) { this.taken.push([x, row, half, 10]); return [x, row]; }
     }
     return [x, y];
@@ -103,15 +122,17 @@ export class Graph {
     const [sx, ex] = back ? [x - WIDTH / 2, tx + WIDTH / 2] : [x + WIDTH / 2, tx - WIDTH / 2];
     const path = tx === x ? `M${x + WIDTH / 2} ${y} C${x + WIDTH / 2 + 40} ${y} ${x + WIDTH / 2 + 40} ${ty} ${x + WIDTH / 2 + 2} ${ty}`
       : back ? `M${sx} ${y + 8} C${sx - 60} ${y + 34} ${ex + 60} ${ty + 34} ${ex + 2} ${ty + 8}` : `M${sx} ${y} C${sx + 44} ${y} ${ex - 44} ${ty} ${ex - 2} ${ty}`;
-    const outputs = [...it.outputs].map((name) => store.output.get(name) ?? { name, hz: null, age_ms: null, stale: false, never: true });
+    const outputs = [...it.outputs].map((name) => store.output.get(name) ?? { name, n: 0, hz: null, age_ms: null, stale: false });
     const broken = outputs.some((output) => output.stale);
+    const rate = (hz) => (hz < 1 ? `${(1 / hz).toFixed(0)} s` : `${hz.toFixed(0)} Hz`);
+    const age = (output) => { const now = store.age(output.name); return now === null ? ", never" : `, ${(now / 1000).toFixed(1)} s ago`; };
     const words = outputs.map((output) => {
       const port = output.name.slice(output.name.lastIndexOf(".") + 1);
-      if (output.stale) return `${port} ⚠ ${(output.age_ms / 1000).toFixed(0)} s`;
-      return output.hz ? `${port} ${output.hz.toFixed(0)} Hz` : port;
+      if (output.stale) return `${port} ⚠ ${((store.age(output.name) ?? 0) / 1000).toFixed(0)} s`;
+      return output.hz ? `${port} ${rate(output.hz)}` : port;
     });
     if (it.calls) words.push("calls");
-    text(edge.children[0], `${it.from} → ${it.to}\n${words.join("\n")}`);
+    text(edge.children[0], `${it.from} → ${it.to}\n${outputs.map((output, index) => `${words[index]}${age(output)}`).join("\n")}${it.calls ? "\ncalls" : ""}`);
     edge.children[1].setAttribute("d", path);
     const label = edge.children[2];
     const onPath = it.from === chosen || it.to === chosen;
@@ -124,6 +145,8 @@ export class Graph {
     className(edge, `edge ${broken ? "broken" : ""} ${onPath ? "chosen" : ""}`);
   }
 }
+
+function shortened(words, most) { return words.length > most ? `${words.slice(0, most - 1)}…` : words; }
 
 /** The connected parts of a graph, the largest first. */
 function parts(names, links) {

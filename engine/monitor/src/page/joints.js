@@ -15,7 +15,7 @@ export class Joints {
     this.output = null;
     this.tabs = el("div", { class: "bar", role: "tablist", "aria-label": "Joints" });
     this.select = el("select", { "aria-label": "Signal of all joints", onchange: () => { this.signal = this.select.value; this.build(); } }, SIGNALS.map(([name]) => el("option", {}, name)));
-    this.spans = el("select", { "aria-label": "Shown time", onchange: () => { this.span = Number(this.spans.value); app.redraw(); } }, [10, 30, 60, 120].map((it) => el("option", { value: it, selected: it === 30 }, `${it} s`)));
+    this.spans = el("select", { "aria-label": "Shown time", onchange: () => { this.span = Number(this.spans.value); app.range = null; app.redraw(); } }, [10, 30, 60, 120].map((it) => el("option", { value: it, selected: it === 30 }, `${it} s`)));
     this.period = el("input", { id: "period", size: 6, inputmode: "decimal", value: "", "aria-label": "Period of the driver, ms" });
     this.apply = el("button", { type: "button", id: "apply", class: "primary", onclick: () => this.setPeriod() }, "Apply");
     this.period.addEventListener("keydown", (event) => { if (event.key === "Enter") this.setPeriod(); });
@@ -28,7 +28,7 @@ export class Joints {
     const driver = [this.badge, el("span", { class: "grow" }), ...control, el("span", {}, "measured ", this.measured)];
     this.empty = el("p", { class: "empty" }, "No output of the type youbot/JointStatus has written anything.");
     this.root = el("div", { class: "grid joints" }, panel("Joints", "joints-panel", driver, this.empty, el("div", { class: "body" }, el("table", { id: "joints" }, el("thead", {}, head), this.body))),
-      el("div", { class: "bar" }, this.tabs, this.select, this.spans, el("button", { type: "button", onclick: () => this.export() }, "CSV of what is shown"), app.store.recording ? null : el("button", { type: "button", onclick: () => this.clear() }, "Clear history")), this.charts);
+      el("div", { class: "bar" }, this.tabs, this.select, this.spans, el("span", { class: "faint" }, "click: all views show this time · drag: a range"), el("button", { type: "button", onclick: () => this.export() }, "CSV of what is shown"), app.store.recording ? null : el("button", { type: "button", onclick: () => this.clear() }, "Clear history")), this.charts);
   }
 
   streams() { return []; }
@@ -60,12 +60,9 @@ export class Joints {
   }
 
   shown() {
-    const series = this.app.store.series.get(this.output) ?? [];
-    const end = this.end;
-    return series.filter((it) => it.t >= end - this.span && it.t <= end);
+    const [begin, end] = this.app.shown(this.span);
+    return (this.app.store.series.get(this.output) ?? []).filter((it) => it.t >= begin && it.t <= end);
   }
-
-  get end() { const { store } = this.app; return store.cursor === null ? store.t : Math.min(store.t, store.cursor + this.span / 2); }
 
   build() {
     const joints = this.count ?? 0;
@@ -73,6 +70,7 @@ export class Joints {
     this.tabs.replaceChildren(...names.map((name) => el("button", { type: "button", role: "tab", "aria-selected": String(name === this.chosen), "aria-pressed": String(name === this.chosen), onclick: () => { this.chosen = name; this.build(); this.app.redraw(); } }, name === "all" ? "All joints" : `Joint ${name}`)));
     this.select.hidden = this.chosen !== "all";
     const unit = Object.fromEntries(SIGNALS);
+    for (const it of this.drawn ?? []) it.chart.destroy();
     this.drawn = this.chosen === "all"
       ? Array.from({ length: joints }, (_, joint) => ({ joint, signal: this.signal, chart: new Chart(this.app, `Joint ${joint + 1} ${this.signal}`, unit[this.signal]) }))
       : SIGNALS.map(([signal]) => ({ joint: Number(this.chosen) - 1, signal, chart: new Chart(this.app, `Joint ${this.chosen} ${signal}`, unit[signal]) }));
@@ -89,10 +87,13 @@ export class Joints {
     if (texts) this.table(sample);
     if (now - this.last < DRAW && !texts) return;
     this.last = now;
-    const samples = this.shown();
+    const [begin, end] = this.app.shown(this.span);
+    // samples of a recording are asked for as far as they are shown
+    this.app.span = Math.max(this.span, end - begin) * 1.3;
+    const samples = store.series.get(this.output) ?? [];
     for (const { joint, signal, chart } of this.drawn) {
       const points = samples.map((it) => [it.t, it[signal][joint]]);
-      chart.draw([{ name: signal, points, shade: `serie-${joint % 6}` }], this.end, this.span);
+      chart.draw([{ name: signal, points, shade: `serie-${joint % 6}` }], begin, end, { marks: raised(samples, joint) });
     }
   }
 
@@ -119,4 +120,16 @@ export class Joints {
     this.apply.disabled = this.period.disabled = !control.armed || !this.periodPort;
     this.apply.title = control.armed ? (this.periodPort ? "Sets the period from the next cycle on" : "This driver has no input for its period") : control.reason;
   }
+}
+
+/** Times at which the flags of a joint change, and whether any is raised then. @returns {[number, boolean][]} */
+function raised(samples, joint) {
+  const changes = [];
+  let before = samples[0]?.error_flags[joint] ?? 0;
+  for (const it of samples) {
+    const flags = it.error_flags[joint];
+    if (flags !== before) changes.push([it.t, flags !== 0]);
+    before = flags;
+  }
+  return changes;
 }

@@ -57,9 +57,12 @@ export class LogList {
   make(it) {
     const seek = () => this.app.seek(it.t);
     return el("div", { class: "row", onclick: seek, title: "Click: all views show this time" },
-      el("span", { class: "t" }, it.t.toFixed(2)), el("span", { class: "kind" }, it.kind), el("span", { class: "component" }, it.component), el("span", { class: "text" }, entryText(it), el("span", { class: "times badge" })));
+      el("span", { class: "t" }, it.t.toFixed(2)), el("span", { class: "kind", title: it.kind }, kind(it)), el("span", { class: "component" }, it.component), el("span", { class: "text" }, entryText(it), el("span", { class: "times badge" })));
   }
 }
+
+/** The kind of an entry in a word: reports of coordinators have qualified names. */
+function kind(it) { return it.kind.replace(/^asm\//, "").toLowerCase(); }
 
 /** The text of an entry. */
 export function entryText(it) {
@@ -71,7 +74,7 @@ export function entryText(it) {
 
 function isControl(store, it) {
   if (it.kind !== "step") return false;
-  const location = store.system.specifications.find((known) => known.component === it.component)?.diagram?.location;
+  const location = store.specifications.find((known) => known.component === it.component)?.diagram?.location;
   return it.step.updates.some((update) => update.location === location && update.before !== update.after);
 }
 

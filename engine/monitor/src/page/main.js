@@ -1,10 +1,11 @@
 // @ts-check
 // The frame around the views: header, tabs, keys, the time cursor, and the drawing loop.
 
-import { el, text, className, span } from "./dom.js";
+import { el, text, className, span, forgetColours } from "./dom.js";
 import { Link } from "./link.js";
 import { Store } from "./store.js";
 import { Control } from "./control.js";
+import { broken } from "./findings.js";
 import { Overview } from "./overview.js";
 import { Spec } from "./spec.js";
 import { Time } from "./time.js";
@@ -12,17 +13,24 @@ import { Components } from "./components.js";
 import { Joints } from "./joints.js";
 import { Logs } from "./logs.js";
 import { Playback } from "./playback.js";
+import { Help } from "./help.js";
 
 /** Interval between updates of texts and tables, ms: faster is not readable. */
-const TEXTS = 120;
+const TEXTS = 200;
+/** Interval between drawings of what moves, ms. Each frame of the browser costs something even if nothing is drawn in it, so that
+ * frames are asked for at this rate, and at once for what the user does. */
+const FRAME = 50;
 const BASE = ["components", "outputs", "steps", "log"];
 const byId = (name) => /** @type {HTMLElement} */ (document.getElementById(name));
 
 const store = new Store();
+store.wanted = Number(/@([\d.]+)$/.exec(location.hash)?.[1] ?? NaN);
 const token = takeToken();
 const link = new Link(store);
 const control = new Control(store, link, token);
-const app = { store, link, control, paused: false, seek, redraw, show };
+/** What views share. `range` is the shown range of time, in seconds; null if it follows the shown time. */
+const app = { store, link, control, paused: false, range: /** @type {[number, number] | null} */ (null), seek, zoom, shown, redraw, show };
+const help = new Help(app);
 /** The time of a recording; null for a running system. @type {Playback | null} */
 let playback = null;
 
@@ -51,18 +59,53 @@ function takeToken() {
 /** Moves the time that all views show; null is now. @param {number | null} t */
 function seek(t) {
   const end = store.recording?.end;
-  store.cursor = playback ? Math.min(end, Math.max(0, t ?? end)) : t;
+  store.cursor = playback ? Math.min(end, Math.max(0, t ?? end)) : t === null ? null : Math.max(0, t);
+  // the shown time lies in the shown range
+  if (app.range && !(store.cursor !== null && store.cursor >= app.range[0] && store.cursor <= app.range[1])) app.range = null;
   playback?.ask();
   redraw();
 }
 
-function redraw() { forced = true; }
+/** Shows a range of time in all views that show one; null follows the shown time. @param {[number, number] | null} range */
+function zoom(range) {
+  app.range = range && [Math.max(0, range[0]), range[1]];
+  if (app.range && (store.cursor === null || store.cursor < app.range[0] || store.cursor > app.range[1])) {
+    store.cursor = app.range[1];
+    playback?.ask();
+  }
+  redraw();
+}
+
+/** The range of time that a view with this span shows. @param {number} span @returns {[number, number]} */
+function shown(span) {
+  if (app.range) return app.range;
+  const { cursor } = store;
+  const end = cursor === null || cursor > store.t - span * 0.9 ? store.t : Math.min(store.t, cursor + span * 0.3);
+  return [Math.max(end, span) - span, Math.max(end, span)];
+}
+
+function redraw() {
+  forced = true;
+  wake();
+}
+
+let frame = 0, timer = 0;
+
+/** Draws in the next frame of the browser. */
+function wake() {
+  clearTimeout(timer);
+  frame ||= requestAnimationFrame(draw);
+}
 
 /** @param {string} name */
-function show(name) { location.hash = name; }
+function show(name) {
+  location.hash = name;
+  // before the event about it, the address may have changed again
+  select();
+}
 
 function select() {
-  const name = location.hash.slice(1);
+  const name = location.hash.slice(1).split("@")[0];
   current = views.find((it) => it.name === name && !it.tab.hidden) ?? views[0];
   for (const it of views) {
     it.tab.setAttribute("aria-selected", String(it === current));
@@ -80,6 +123,7 @@ function header(now) {
   text(byId("name"), store.system?.name ?? "asmotion");
   text(byId("clock"), store.system ? [store.system.profile, store.system.clock].filter(Boolean).join(" · ") : "");
   text(byId("time"), `${(store.recording ? store.cursor : store.t).toFixed(1)} s`);
+  byId("time").title = `Time of the run${store.recording ? "" : `; ${new Date().toLocaleTimeString()} on this machine`}`;
   const lost = silence > 0 && !ended;
   document.body.classList.toggle("lost", lost);
   document.body.classList.toggle("paused", app.paused);
@@ -94,13 +138,16 @@ function header(now) {
 function banner(lost, ended, silence, now) {
   const place = byId("banner");
   let words = "", action = null;
-  if (store.recording && !lost) words = store.recording.problem ? `The recording is INCOMPLETE: ${store.recording.problem}.` : "";
+  if (app.range && !lost && !ended && !(store.recording && store.recording.problem)) [words, action] = [`Showing ${app.range[0].toFixed(2)} s to ${app.range[1].toFixed(2)} s, ${span(app.range[1] - app.range[0])} in all.`, store.recording ? ["Whole", () => zoom(null)] : ["Back to live", () => seek(null)]];
+  else if (store.recording && !lost) words = store.recording.problem ? `The recording is INCOMPLETE: ${store.recording.problem}.` : "";
   else if (ended) words = `The run has ended: ${store.end}. What is shown is its last state.`;
   else if (lost) words = `No connection to the system for ${span(silence / 1000)}: what is shown is outdated.`;
   else if (app.paused) [words, action] = [`The view is paused for ${span((now - pausedAt) / 1000)}; the system continues.`, ["Resume", pause]];
   else if (store.cursor !== null) [words, action] = [`Showing ${store.cursor.toFixed(2)} s, ${span(Math.max(0, store.t - store.cursor))} ago.`, ["Back to live", () => seek(null)]];
+  const isBroken = !words && store.links.length > 0;
+  if (isBroken) words = `${store.links.map(broken).join(". ")}. This process continues without it.`;
   place.hidden = !words;
-  className(place, lost ? "bad" : "");
+  className(place, lost || isBroken ? "bad" : "");
   const kind = action ? String(action[0]) : "";
   if (place.dataset.kind !== kind || !place.firstChild) {
     place.dataset.kind = kind;
@@ -117,12 +164,18 @@ function pause() {
   redraw();
 }
 
+/** Keeps the time of a recording in the address, so that the address shows the same again. */
+function address() {
+  const hash = `#${current.name}@${Number(store.cursor.toFixed(3))}`;
+  if (location.hash !== hash && !playback?.playing) history.replaceState(null, "", hash);
+}
+
 /** Tells readers of the screen what matters, at most once a second. */
 const announce = (() => {
   let last = 0, said = "";
   return (now) => {
     if (now - last < 1000 || !store.system) return;
-    const states = store.system.specifications.filter((it) => it.diagram).map((it) => {
+    const states = store.specifications.filter((it) => it.diagram).map((it) => {
       const value = store.locationsAt(it.component)[it.diagram.location]?.value;
       return value ? `${it.component}: ${value}` : "";
     });
@@ -133,7 +186,8 @@ const announce = (() => {
 
 let shownSystem = null;
 function draw(now) {
-  requestAnimationFrame(draw);
+  frame = 0;
+  timer = setTimeout(wake, FRAME);
   if (store.system !== shownSystem) {
     shownSystem = store.system;
     for (const it of views) it.view = null;
@@ -142,6 +196,7 @@ function draw(now) {
   }
   const texts = forced || now - lastTexts > TEXTS;
   if (texts) { header(now); announce(now); }
+  if (texts && store.recording) address();
   if (store.system && (!app.paused || forced)) {
     current.view?.draw(now, texts);
     playback?.draw(now, texts);
@@ -154,15 +209,18 @@ function draw(now) {
 
 function key(event) {
   const inField = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range";
+  if (help.key(event)) return;
   if (event.key === "Escape" && inField) return event.target.blur();
   if (inField || event.ctrlKey || event.metaKey || event.altKey) return;
   const index = Number(event.key) - 1;
   if (views[index]) show(views[index].name);
   else if (event.key === " " && event.target.tagName !== "BUTTON") { if (playback) playback.key(event); else pause(); }
   else if (event.key === "[" || event.key === "]") step(event.key === "]" ? 1 : -1);
+  else if (event.key === "{" || event.key === "}") change(event.key === "}" ? 1 : -1);
   else if (event.key === "/") byId("view").querySelector("input")?.focus();
   else if (!current.view?.key?.(event) && !playback?.key(event)) {
-    if (event.key === "Escape" && store.isBack) seek(null); else return;
+    if (event.key === "Escape" && playback && app.range) zoom(null);
+    else if (event.key === "Escape" && (store.isBack || app.range)) seek(null); else return;
   }
   event.preventDefault();
 }
@@ -173,7 +231,16 @@ function step(by) {
   const found = by < 0 ? store.steps.findLast((it) => it.t < at - 1e-9) : store.steps.find((it) => it.t > at + 1e-9);
   if (found) seek(by < 0 && store.cursor === null ? store.steps.at(-1).t : found.t); else if (by > 0 && !playback) seek(null);
 }
-Object.assign(app, { step });
+
+/** Moves the cursor to the previous or next change of a control state, of one component or of any. @param {number} by @param {string} [component] */
+function change(by, component) {
+  const at = store.cursor ?? Infinity;
+  const all = store.specifications.filter((it) => it.diagram && (!component || it.component === component));
+  const times = all.flatMap((it) => store.controlChanges(it.component, it.diagram.location).map(({ t }) => t)).sort((one, other) => one - other);
+  const found = by < 0 ? times.findLast((t) => t < at - 1e-9) : times.find((t) => t > at + 1e-9);
+  if (found !== undefined) seek(found); else if (by > 0 && !playback) seek(null);
+}
+Object.assign(app, { step, change });
 
 /** Adapts the page to what is shown: a running system, or a recording, which has no present and nothing to control. */
 function follow() {
@@ -183,7 +250,6 @@ function follow() {
   place.hidden = !playback;
   place.replaceChildren(...(playback ? [playback.root] : []));
   byId("pause").hidden = !!playback;
-  for (const it of views) it.tab.hidden = !!playback && it.name === "components";
   playback?.ask();
 }
 
@@ -201,16 +267,26 @@ function build() {
     next.tab.focus();
   });
   byId("pause").addEventListener("click", pause);
+  byId("help").addEventListener("click", () => help.toggle());
+  const recolour = () => {
+    forgetColours();
+    for (const it of views) it.view?.recolour?.();
+    redraw();
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
   const theme = () => document.documentElement.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   const saved = localStorage.getItem("theme");
   if (saved) document.documentElement.dataset.theme = saved;
   byId("theme").addEventListener("click", () => {
     document.documentElement.dataset.theme = theme() === "dark" ? "light" : "dark";
     localStorage.setItem("theme", document.documentElement.dataset.theme);
-    for (const it of views) it.view?.recolour?.();
-    redraw();
+    recolour();
   });
-  addEventListener("hashchange", select);
+  addEventListener("hashchange", () => {
+    // the address of a process that was restarted has a new token
+    control.token = takeToken();
+    select();
+  });
   addEventListener("keydown", key);
   addEventListener("resize", redraw);
 }
@@ -219,4 +295,4 @@ build();
 // for the tests of the page, and for the console
 Object.assign(globalThis, { asmotion: app });
 select();
-requestAnimationFrame(draw);
+wake();

@@ -13,6 +13,7 @@ export class MapView {
     Object.assign(this, { app, canvas });
     this.scale = 30; this.x = 0; this.y = 0;
     this.fittedTo = null; this.follow = false; this.tool = "pan";
+    /** Both ends of the measured distance, m. @type {[number, number][] | null} */ this.measured = null;
     /** The goal that has been drawn and not been sent: x, y, yaw. @type {number[] | null} */ this.ghost = null;
     this.grids = new Map();
     this.pointer = null;
@@ -43,6 +44,7 @@ export class MapView {
     const [x, y] = this.toMap(event);
     this.pointer = { column: event.clientX, row: event.clientY, x, y };
     if (this.tool === "goal") this.ghost = [x, y, 0];
+    if (this.tool === "measure") this.measured = [[x, y], [x, y]];
   }
 
   move(event) {
@@ -52,7 +54,8 @@ export class MapView {
     if (this.tool === "goal" && this.ghost) {
       const [dx, dy] = [x - this.ghost[0], y - this.ghost[1]];
       if (Math.hypot(dx, dy) * this.scale > 8) this.ghost[2] = Math.atan2(dy, dx);
-    } else {
+    } else if (this.tool === "measure" && this.measured) this.measured[1] = [x, y];
+    else {
       this.follow = false;
       this.x -= (event.clientX - this.pointer.column) / this.scale;
       this.y += (event.clientY - this.pointer.row) / this.scale;
@@ -93,6 +96,21 @@ export class MapView {
     return false;
   }
 
+  /** Length of the newest planned path of a robot from the point that is nearest to it, m; null without a path.
+   * @param {string} robot @param {number[]} pose */
+  leftOf(robot, pose) {
+    const { store } = this.app;
+    const paths = store.ofType("nav_msgs/Path").filter((name) => composite(name) === composite(robot) && store.output.get(name)?.topic);
+    const poses = paths.map((name) => store.samples.get(name)).filter(Boolean).sort((one, other) => other.t - one.t)[0]?.data.poses ?? [];
+    if (poses.length < 2) return null;
+    const points = poses.map((it) => [it.pose.position.x ?? 0, it.pose.position.y ?? 0]);
+    const far = points.map(([x, y]) => Math.hypot(x - pose[0], y - pose[1]));
+    const nearest = far.indexOf(Math.min(...far));
+    let left = far[nearest];
+    for (let at = nearest + 1; at < points.length; at++) left += Math.hypot(points[at][0] - points[at - 1][0], points[at][1] - points[at - 1][1]);
+    return left;
+  }
+
   /** The robots with poses at the cursor: { name, pose: [x, y, yaw], trail, stale }. */
   robots() {
     const { store } = this.app;
@@ -127,6 +145,7 @@ export class MapView {
     for (const robot of robots) this.trail(context, robot.trail);
     for (const name of store.ofType("sensor_msgs/LaserScan")) this.laser(context, name, robots);
     for (const goal of this.goals()) this.marker(context, goal.pose, this.colours.accent, false);
+    if (this.measured) this.measure(context, this.measured);
     if (this.ghost) this.marker(context, this.ghost, this.colours.note, true);
     for (const robot of robots) if (robot.pose) this.rover(context, robot, robots.length > 1);
     this.ruler(context);
@@ -290,6 +309,23 @@ export class MapView {
     context.restore();
   }
 
+  /** A measured distance. */
+  measure(context, [from, to]) {
+    const [[column, row], [endColumn, endRow]] = [this.toScreen(...from), this.toScreen(...to)];
+    context.strokeStyle = this.colours.note;
+    context.lineWidth = 2;
+    context.beginPath(); context.moveTo(column, row); context.lineTo(endColumn, endRow); context.stroke();
+    for (const [x, y] of [[column, row], [endColumn, endRow]]) { context.beginPath(); context.arc(x, y, 3, 0, 2 * Math.PI); context.stroke(); }
+    this.label(context, `${Math.hypot(to[0] - from[0], to[1] - from[1]).toFixed(2)} m`, (column + endColumn) / 2 + 6, (row + endRow) / 2 - 6, this.colours.ink);
+  }
+
+  /** A text that can be read on any ground. */
+  label(context, words, column, row, shade) {
+    context.font = "600 12px sans-serif"; context.textAlign = "left";
+    context.lineWidth = 4; context.strokeStyle = this.colours.panel; context.fillStyle = shade;
+    context.strokeText(words, column, row); context.fillText(words, column, row);
+  }
+
   rover(context, robot, named) {
     const [column, row] = this.toScreen(robot.pose[0], robot.pose[1]);
     const size = Math.max(11, ROVER * this.scale);
@@ -309,9 +345,7 @@ export class MapView {
     const age = this.app.store.age(robot.name);
     const label = stale ? `stale ${((age ?? 0) / 1000).toFixed(0)} s` : named ? composite(robot.name) : "";
     if (!label) return;
-    context.font = "600 12px sans-serif"; context.textAlign = "left";
-    context.lineWidth = 4; context.strokeStyle = this.colours.panel; context.fillStyle = stale ? this.colours.bad : this.colours.ink;
-    context.strokeText(label, column + size + 4, row - size); context.fillText(label, column + size + 4, row - size);
+    this.label(context, label, column + size + 4, row - size, stale ? this.colours.bad : this.colours.ink);
   }
 }
 

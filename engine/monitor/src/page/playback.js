@@ -22,6 +22,7 @@ export class Playback {
     this.canvas = el("canvas", { role: "img", "aria-label": "Control states and warnings of the whole run" });
     this.shown = el("span", { class: "mono", id: "shown-time" });
     this.root = el("div", { class: "playback" }, this.button, el("button", { type: "button", title: "Previous step ([)", onclick: () => app.step(-1) }, "◀ step"), el("button", { type: "button", title: "Next step (])", onclick: () => app.step(1) }, "step ▶"),
+      this.marks = el("button", { type: "button", id: "next-mark", title: "Next warning or error", onclick: () => this.mark() }, "⚠ next"),
       el("div", { class: "line-of-time" }, this.canvas, this.range), this.shown, this.choice);
     app.link.onmoment = () => this.received();
     app.link.onlost = () => this.lost();
@@ -34,6 +35,13 @@ export class Playback {
     this.last = performance.now();
     if (playing && store.cursor >= store.recording.end - 1e-6) this.app.seek(0);
     text(this.button, playing ? "❚❚ Pause" : "▶ Play");
+  }
+
+  /** Shows the next warning or error; after the last one, the first one. */
+  mark() {
+    const { store } = this.app;
+    const times = store.recording.marks.map(([t]) => t).sort((one, other) => one - other);
+    this.app.seek(times.find((t) => t > store.cursor + 1e-6) ?? times[0]);
   }
 
   /** Asks for the shown moment. One question is under way at a time; the next one is about the newest moment. */
@@ -82,6 +90,7 @@ export class Playback {
       if (t >= end) this.play(false);
     }
     if (!texts) return;
+    this.marks.disabled = !store.recording.marks.length;
     this.range.max = String(end);
     this.range.value = String(store.cursor);
     text(this.shown, `${store.cursor.toFixed(2)} / ${end.toFixed(1)} s`);
@@ -95,7 +104,7 @@ export class Playback {
     if (!width || !end) return;
     context.clearRect(0, 0, width, height);
     const x = (t) => t / end * width;
-    const diagrams = store.system.specifications.filter((it) => it.diagram);
+    const diagrams = store.specifications.filter((it) => it.diagram);
     const band = height / Math.max(1, diagrams.length);
     diagrams.forEach(({ component, diagram }, row) => {
       const changes = store.controlChanges(component, diagram.location);

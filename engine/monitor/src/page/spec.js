@@ -3,52 +3,60 @@
 
 import { el, panel, text, className, list } from "./dom.js";
 import { Diagram } from "./diagram.js";
+import { Properties } from "./properties.js";
+import { LocationHistory } from "./location_history.js";
 
 const WORDS = /\b(asm|module|import|signature|definitions|default|init|domain|enum|abstract|subsetof|controlled|monitored|shared|out|static|derived|function|rule|macro|main|par|endpar|seq|endseq|if|then|else|endif|switch|case|otherwise|endswitch|let|in|endlet|forall|with|do|choose|ifnone|extend|skip|and|or|not|implies|iff|invariant|over|CTLSPEC|LTLSPEC|undef|true|false|agent|local|while|iterate)\b/;
 
 export class Spec {
   constructor(app) {
     this.app = app;
-    this.component = app.store.system.specifications[0]?.component;
-    this.choice = el("select", { "aria-label": "Specification", hidden: app.store.system.specifications.length < 2, onchange: () => { this.component = this.choice.value; this.build(); app.redraw(); } },
-      app.store.system.specifications.map((it) => el("option", {}, it.component)));
+    this.component = app.store.specifications[0]?.component;
+    this.choice = el("select", { "aria-label": "Specification", hidden: app.store.specifications.length < 2, onchange: () => { this.component = this.choice.value; this.build(); app.redraw(); } },
+      app.store.specifications.map((it) => el("option", {}, it.component)));
     this.source = el("div", { class: "body source" });
     this.sourceTitle = el("span", { class: "faint mono" });
+    this.coverage = el("span", { class: "faint", id: "coverage" });
     this.place = el("div", { class: "body" });
     this.step = el("strong", { class: "mono", id: "step" });
     this.updates = el("tbody");
     this.inputs = el("tbody");
     this.choices = el("p", { class: "faint" });
-    this.properties = el("div", { class: "findings" });
+    this.properties = new Properties(app, (place) => this.reveal(place));
+    this.history = new LocationHistory(app, (place) => this.reveal(place));
     const button = (words, title, action) => el("button", { type: "button", title, onclick: action }, words);
-    const steps = [this.step, el("span", { class: "grow" }), button("◀ step", "Previous step ([)", () => this.move(-1)), button("step ▶", "Next step (])", () => this.move(1)), app.store.recording ? null : button("Live", "Back to live (Esc)", () => app.seek(null))];
+    const steps = [this.step, el("span", { class: "grow" }), button("◀ state", "Previous change of the control state ({)", () => app.change(-1, this.component)), button("◀ step", "Previous step ([)", () => this.move(-1)), button("step ▶", "Next step (])", () => this.move(1)),
+      button("state ▶", "Next change of the control state (})", () => app.change(1, this.component)), app.store.recording ? null : button("Live", "Back to live (Esc)", () => app.seek(null))];
     const head = (...names) => el("thead", {}, el("tr", {}, names.map((name) => el("th", {}, name))));
     const sets = el("div", { class: "body" },
       el("table", { id: "updates" }, head("location", "before", "after", "by"), this.updates),
-      el("table", { id: "inputs" }, head("input that was read", "value"), this.inputs), el("div", { class: "empty" }, this.choices));
-    this.root = el("div", { class: "grid spec" }, panel("Source", "source-panel", [this.sourceTitle, el("span", { class: "grow" }), this.choice], this.source),
+      el("table", { id: "inputs" }, head("input that was read", "value"), this.inputs), el("div", { class: "empty" }, this.choices), this.history.root, this.properties.root);
+    this.root = el("div", { class: "grid spec" }, panel("Source", "source-panel", [this.sourceTitle, el("span", { class: "grow" }), this.coverage, this.choice], this.source),
       panel("Control state", "diagram-panel", [], this.place), panel("Update set", "update-panel", steps, sets));
     this.build();
   }
 
   streams() { return []; }
 
-  get specification() { return this.app.store.system.specifications.find((it) => it.component === this.component); }
+  get specification() { return this.app.store.specifications.find((it) => it.component === this.component); }
 
-  recolour() {}
+  recolour() { this.history.recolour(); }
 
   build() {
-    const specification = this.specification;
+    const specification = this.built = this.specification;
     this.lines = new Map();
     this.worths = [];
     this.source.replaceChildren();
     this.place.replaceChildren();
     this.diagram = null;
+    this.history.choose(this.component, null);
     if (!specification) {
       this.source.append(el("p", { class: "empty" }, "This process runs no specification."));
       return;
     }
-    text(this.sourceTitle, `${specification.files[0]?.name ?? ""} · ${this.component}`);
+    const versions = this.app.store.system.specifications.filter((it) => it.component === this.component);
+    const version = versions.length > 1 ? ` · version ${versions.indexOf(specification) + 1} of ${versions.length}, from ${specification.from.toFixed(2)} s` : "";
+    text(this.sourceTitle, `${specification.files[0]?.name ?? ""} · ${this.component}${version}`);
     for (const file of specification.files) this.file(file);
     if (specification.diagram) {
       this.diagram = new Diagram(specification.diagram, (line) => this.reveal(`${specification.files[0].name}:${line}`));
@@ -62,9 +70,19 @@ export class Spec {
       const row = el("div", { class: "line" }, el("span"), el("span", { class: "number" }, index + 1), el("span", { class: "heat" }), el("span", { class: "code" }, coloured(line)), worth);
       this.source.append(row);
       const declared = /^\s*(controlled|monitored|out|shared)\s+(\w+)\s*:/.exec(line);
-      if (declared) this.worths.push({ worth, name: declared[2] });
+      if (declared) {
+        this.worths.push({ worth, name: declared[2] });
+        worth.addEventListener("click", () => this.choose(declared[2]));
+      }
       this.lines.set(`${file.name}:${index + 1}`, { row, updates: /:=/.test(line) });
     });
+  }
+
+  /** Shows the history of a function's first known location. @param {string} name */
+  choose(name) {
+    const known = Object.keys(this.app.store.locationsAt(this.component));
+    this.history.choose(this.component, known.find((it) => it === name || it.startsWith(`${name}(`)) ?? name);
+    this.app.redraw();
   }
 
   reveal(place) { this.lines.get(place)?.row.scrollIntoView({ block: "center" }); }
@@ -82,6 +100,8 @@ export class Spec {
 
   draw(now, texts) {
     if (!texts || !this.specification) return;
+    // another version of a recording may have run at the cursor
+    if (this.specification !== this.built) this.build();
     const { store } = this.app;
     const entry = store.stepAt(this.component);
     const step = entry?.step;
@@ -91,7 +111,7 @@ export class Spec {
     list(this.updates, step?.updates ?? [], (it) => it.location, make(4), (row, it) => {
       const [location, before, after, by] = row.children;
       text(location, it.location); text(before, it.before); text(after, `${it.before === it.after ? "○" : "●"} ${it.after}`); text(by, it.place.replace(/^.*:/, "line "));
-      row.onclick = () => this.reveal(it.place);
+      row.onclick = () => { this.reveal(it.place); this.history.choose(this.component, it.location); this.app.redraw(); };
       className(row, it.before === it.after ? "pick" : "pick changed");
     });
     list(this.inputs, step?.inputs ?? [], (it) => it[0], make(2), (row, [location, value]) => { text(row.children[0], location); text(row.children[1], value); });
@@ -99,6 +119,8 @@ export class Spec {
     this.values(locations, new Set((step?.updates ?? []).filter((it) => it.before !== it.after).map((it) => it.location)));
     this.heat(new Set((step?.updates ?? []).map((it) => it.place)));
     this.drawDiagram(locations, entry);
+    this.history.draw(locations);
+    this.properties.draw(this.specification);
   }
 
   /** Writes the last values beside the declarations. */
@@ -117,14 +139,18 @@ export class Spec {
   heat(fired) {
     const heat = this.app.store.states[this.component]?.heat ?? {};
     const most = Math.max(1, ...Object.values(heat));
+    let [made, all] = [0, 0];
     for (const [place, { row, updates }] of this.lines) {
       const count = heat[place] ?? 0;
       if (!updates && !count) continue;
+      all++;
+      if (count) made++;
       text(row.children[2], count ? `${count}×` : "never");
       className(row, `line ${fired.has(place) ? "fired" : ""} ${count ? "" : "never"}`);
       const share = count ? 0.25 + 0.75 * Math.log1p(count) / Math.log1p(most) : 0;
       row.firstChild.style.background = count ? `color-mix(in srgb, var(--note) ${Math.round(share * 100)}%, transparent)` : "";
     }
+    text(this.coverage, all ? `${made} of ${all} updates made` : "");
   }
 
   drawDiagram(locations, entry) {

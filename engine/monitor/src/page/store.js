@@ -10,6 +10,7 @@ export class Store {
   constructor() {
     /** @type {any} */ this.system = null;
     this.rate = 30;
+    /** The time of a recording that the address asks for; NaN without one. */ this.wanted = NaN;
     this.recording = null;
     this.control = false;
     this.connectedSince = null;
@@ -21,6 +22,7 @@ export class Store {
     this.t = 0;
     this.wall = 0;
     this.lost = 0;
+    /** Connections to brokers over which nothing is sent. @type {any[]} */ this.links = [];
     /** @type {any} */ this.permission = "view";
     this.end = null;
     /** @type {any[]} */ this.components = [];
@@ -47,6 +49,18 @@ export class Store {
   /** Whether the views show a time before the newest samples. Those of a recording are always of the time that is shown. */
   get isBack() { return this.cursor !== null && !this.recording; }
 
+  /** The specifications; of a recording, the versions that run at the cursor. @returns {any[]} */
+  get specifications() {
+    const all = this.system.specifications;
+    if (!this.recording) return all;
+    if (this.running?.system !== this.system || this.running.t !== this.cursor) {
+      const running = new Map();
+      for (const it of all) if (!running.has(it.component) || it.from <= this.cursor + 1e-9) running.set(it.component, it);
+      this.running = { system: this.system, t: this.cursor, specifications: [...running.values()] };
+    }
+    return this.running.specifications;
+  }
+
   connected(hello) {
     const same = JSON.stringify(this.system) === JSON.stringify(hello.system);
     const cursor = same ? this.cursor : null;
@@ -55,7 +69,9 @@ export class Store {
     /** What only a recording has. @type {any} */ this.recording = hello.system.recording ?? null;
     if (this.recording) {
       this.t = this.recording.end;
-      this.cursor = cursor ?? this.t;
+      const wanted = Number.isFinite(this.wanted) ? Math.min(this.t, Math.max(0, this.wanted)) : null;
+      // what was violated is what is looked for
+      this.cursor = cursor ?? wanted ?? this.recording.violations[0]?.[0] ?? this.t;
       this.trails = new Map(Object.entries(this.recording.trails));
     }
     this.restarted = this.system !== null && !same;
@@ -80,6 +96,7 @@ export class Store {
     this.lost = frame.lost;
     this.permission = frame.control;
     this.end = frame.end;
+    this.links = frame.links ?? [];
     if (frame.states) this.states = frame.states;
     if (frame.components) this.describe(frame.components);
     if (frame.outputs) {
@@ -103,6 +120,7 @@ export class Store {
       else if ("data" in sample) this.samples.set(name, { ...sample, data: revived(sample.data) });
     }
     if (moment.window) this.window(moment.window);
+    if (moment.components) this.describe(moment.components);
     this.changes.samples++;
     this.changes.outputs++;
   }
@@ -229,16 +247,30 @@ export class Store {
     }
   }
 
+  /** Values of a location by time, oldest first, as far as its steps are known. @param {string} component @param {string} location
+   * @returns {[number, string][]} */
+  valuesOf(component, location) {
+    const values = [];
+    for (const { t, step } of this.stepsOf(component)) {
+      const update = step.updates.find((it) => it.location === location);
+      if (update && !values.length) values.push([this.knownSince.get(component) ?? t, update.before]);
+      const value = update?.after ?? step.inputs.find((it) => it[0] === location)?.[1];
+      if (value !== undefined) values.push([t, value]);
+    }
+    return values;
+  }
+
   /** Names of the ports of a type that have written or been written. @param {string} type */
   ofType(type) {
     const found = this.outputs.filter((it) => (it.type || this.types.get(it.name)) === type);
     return found.map((it) => it.name);
   }
 
-  /** Time since the newest sample of an output, ms: as the server says, and since then. @param {string} name */
+  /** Time since the newest sample of an output, ms: as the server says, and since then; null before the first one. @param {string} name */
   age(name) {
-    const output = this.output.get(name);
-    return output ? output.age_ms + (performance.now() - this.lastFrame) : null;
+    const age = this.output.get(name)?.age_ms ?? null;
+    // the age in a recording is that at the shown time
+    return age === null || this.recording ? age : age + (performance.now() - this.lastFrame);
   }
 
   /** Whether what an output says may be outdated. @param {string} name */
@@ -256,21 +288,29 @@ export class Store {
     return steps.findLast((it) => it.t <= cursor + 1e-9);
   }
 
+  /** Restores the values before a step, as far as it has changed them. */
+  undo(step, locations) {
+    for (const update of step.updates) locations[update.location] = { value: update.before, monitored: false, step: null, t: null };
+    for (const [location] of step.inputs) delete locations[location];
+  }
+
   /** The values of all locations at the cursor, from the present ones by undoing later steps. @param {string} component */
   locationsAt(component, cursor = this.cursor) {
     const state = this.states[component];
     if (!state) return {};
-    const locations = { ...state.locations };
+    let locations = { ...state.locations };
     if (cursor === null) return locations;
     const steps = this.stepsOf(component);
     let index = steps.length - 1;
     for (; index >= 0 && steps[index].t > cursor + 1e-9; index--) {
-      for (const update of steps[index].step.updates) {
-        locations[update.location] = { value: update.before, monitored: false, step: null, t: null };
-      }
-      for (const [location] of steps[index].step.inputs) delete locations[location];
+      // a machine began with this step: the state before it does not follow from that of the next one
+      const before = steps[index].before?.locations;
+      if (before) locations = { ...before };
+      else this.undo(steps[index].step, locations);
     }
-    for (const { step, t } of steps.slice(Math.max(0, index - 30), index + 1)) {
+    let first = Math.max(0, index - 30);
+    for (let begun = index; begun > first; begun--) if (steps[begun].before) first = begun;
+    for (const { step, t } of steps.slice(first, index + 1)) {
       for (const [location, value] of step.inputs) locations[location] = { value, monitored: true, step: step.number, t };
       for (const update of step.updates) locations[update.location] = { value: update.after, monitored: false, step: step.number, t };
     }
@@ -303,28 +343,4 @@ function runs(rle) {
 /** The angle of a quaternion about the vertical axis, rad. */
 export function yaw({ x = 0, y = 0, z = 0, w = 1 }) {
   return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
-}
-
-/** What is wrong, in words. @param {Store} store @returns {{ level: string, text: string }[]} */
-export function findings(store) {
-  const all = [];
-  for (const it of store.components) {
-    if (it.state !== "Running") all.push({ level: "bad", text: `${it.name} is not running: ${it.state}` });
-    if (it.late) all.push({ level: "note", text: `${it.name}: ${it.late} cycles exceeded the deadline` });
-    if (it.overruns) all.push({ level: "note", text: `${it.name} has missed ${it.overruns} periods` });
-    for (const input of it.inputs) {
-      if (input.lost) all.push({ level: "note", text: `${it.name}.${input.name} has lost ${input.lost} messages` });
-    }
-    if (it.misfits) all.push({ level: "note", text: `${it.name} has ignored ${it.misfits} messages with unsuitable content` });
-    const silent = new Map(it.inspection).get("silent") ?? [];
-    if (silent.length) all.push({ level: "hint", text: `${it.name} has not received anything for ${silent.join(", ")}` });
-  }
-  for (const it of store.outputs) {
-    if (!it.stale) continue;
-    const readers = (store.presence?.joined ?? []).filter((joined) => joined.from === it.name || joined.from === `topic:${it.topic}`);
-    const to = readers.length ? `; read by ${[...new Set(readers.map((joined) => joined.to))].join(", ")}` : "";
-    all.push({ level: "bad", text: `${it.name} has been silent for ${(it.age_ms / 1000).toFixed(1)} s, usual rate ${it.hz?.toFixed(1)} Hz${to}` });
-  }
-  if (store.lost) all.push({ level: "note", text: `${store.lost} events were not observed: the machine is overloaded` });
-  return all;
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use asmotion_component::Time;
+use asmotion_coordinator::{VIOLATION_REPORT, ViolationRecord};
 use asmotion_datum::Datum;
 
 use crate::log_entry::{brief_datum, entry, level_of};
@@ -101,16 +102,21 @@ pub(super) fn of_event(record: &Datum) -> Option<NewEntry> {
         ),
         report => {
             let level = level_of(report)?;
-            let words = own();
-            let words = if words.is_empty() {
-                member("data").into_owned()
-            } else {
-                words
+            let words = match violation(report, record) {
+                Some(violation) => violation,
+                None if own().is_empty() => member("data").into_owned(),
+                None => own(),
             };
             (level, report, words)
         }
     };
     Some(NewEntry::new(level, name, component, words))
+}
+
+/// A violated property in words; `None` for another report.
+fn violation(report: &str, record: &Datum) -> Option<String> {
+    let data = record.get("data").filter(|_| report == VIOLATION_REPORT)?;
+    Some(data.to::<ViolationRecord>().ok()?.to_string())
 }
 
 /// The entry of a call or of its end. `caller` is `Component.reference.operation`.
@@ -183,6 +189,19 @@ mod tests {
         let words = "warning dropped A: scan to B.scan: 3 dropped, the connection is full";
         assert_eq!(said(of_event(&dropped)), words);
         assert!(of_event(&record(&[("kind", Datum::text("unknown"))])).is_none());
+        let violation = ViolationRecord {
+            step: 7,
+            kind: "CTLSPEC".to_owned(),
+            property: "ag(n < 20)".to_owned(),
+            ..ViolationRecord::default()
+        };
+        let violated = record(&[
+            ("kind", Datum::text(VIOLATION_REPORT)),
+            ("component", Datum::text("A")),
+            ("data", Datum::of(&violation).expect("a datum")),
+        ]);
+        let words = "error asm/Violation A: step 7 violates CTLSPEC `ag(n < 20)`";
+        assert_eq!(said(of_event(&violated)), words);
         let call = record(&[
             ("phase", Datum::text("call")),
             ("attempt", Datum::Int(2)),

@@ -1,27 +1,29 @@
 //! Reads a recorded run from its files.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
 use asmotion_component::Time;
-use asmotion_coordinator::{MachineOrigin, RecordedCycle, StepRecord};
+use asmotion_coordinator::{MachineBegin, MachineOrigin, SourceRecord, StepRecord};
 use asmotion_datum::Datum;
 use asmotion_lang::MemoryFiles;
 use asmotion_recording::{
     ChainedCycle, FileEnd, MessageData, RecordingError, RecordingItem, RunReader, part_path,
 };
 
+use super::composition::{Composition, is_composition};
 use super::entry::{NewEntry, of_call, of_event};
-use super::{RecordedEntry, RecordedOutput, RecordedRun, RecordedSteps, RunMoments};
+use super::{RecordedBegin, RecordedEntry, RecordedOutput, RecordedRun, RecordedSteps, RunMoments};
 use crate::catalogue::SystemDescription;
 use crate::log_entry::brief_datum;
 use crate::recording_description::RecordingDescription;
-use crate::rendering::quoted;
 
-/// Limit on the number of marks.
-const MARKS: usize = 500;
+/// Limit on the number of marks on the line of time.
+const MOST_MARKS: usize = 500;
+/// Name of the channel with violated properties.
+const MARKS: &str = "marks";
 /// Mean interval from which the messages of a topic are events, in seconds of the run.
 const RARE_S: f64 = 0.5;
 /// Distance from which a path gets another point, in m, and the time after which it does in any case, in s.
@@ -37,8 +39,24 @@ struct RunBuilder {
     /// Texts of specifications by hash and path.
     texts: BTreeMap<(String, String), Arc<str>>,
     moments: RunMoments,
+    /// Versions of the specifications that ran, oldest first, by component.
+    versions: BTreeMap<String, Vec<SpecificationVersion>>,
+    /// Names of the attached expansions of the composite.
+    compositions: BTreeSet<String>,
+    /// Name of the recorded process; empty if all components ran in one.
+    process: String,
     /// The file ends as it was meant to.
     has_end: bool,
+}
+
+/// A version of a specification that a component executed.
+struct SpecificationVersion {
+    /// Its files, the main one first; empty if the recording does not say which they are.
+    sources: Vec<SourceRecord>,
+    /// Time of its first step.
+    from: Time,
+    /// The location of its control state; `None` without one.
+    control: Option<String>,
 }
 
 impl RecordedRun {
@@ -85,6 +103,7 @@ impl RunBuilder {
         let started = fact("started").unwrap_or_default();
         self.system.clock = format!("recording of {started}, {clock} clock");
         self.recording.file = path.display().to_string();
+        self.process = fact("process").unwrap_or_default();
         if reader.part() > 1 {
             self.problem(format!("it begins with part {}", reader.part()));
         }
@@ -100,7 +119,11 @@ impl RunBuilder {
 
     fn add(&mut self, item: RecordingItem) {
         match item {
-            RecordingItem::Text { name, text } => {
+            RecordingItem::Text { name, at, text } => {
+                // each file of a recording has the texts of the first version again
+                if is_composition(&name) && self.compositions.insert(name.clone()) {
+                    self.composition(at, &text);
+                }
                 let source = name.strip_prefix("specification/");
                 if let Some((hash, path)) = source.and_then(|source| source.split_once('/')) {
                     let key = (hash.to_owned(), path.to_owned());
@@ -114,6 +137,20 @@ impl RunBuilder {
                 self.has_end = true;
                 self.problem(format!("the file is cut: {reason}"));
             }
+        }
+    }
+
+    /// Takes a version of the composite.
+    fn composition(&mut self, from: Time, text: &str) {
+        let composition = Composition::read(text, &self.process);
+        let components = &mut self.moments.components;
+        components.follow(from, composition);
+        let names = components.names();
+        let names: Vec<_> = names
+            .map(|(name, it)| (name.to_owned(), it.to_owned()))
+            .collect();
+        for (name, implementation) in names {
+            self.system.describe_component(&name, &implementation);
         }
     }
 
@@ -138,19 +175,18 @@ impl RunBuilder {
         let at = Time::from_nanos(cycle.time_ns);
         self.passed(at);
         self.system.add_component(component);
-        if !self.moments.steps.contains_key(component) {
-            let initial = self.specification(component, &cycle);
-            let recorded = RecordedSteps::new(&initial);
-            self.moments.steps.insert(component.to_owned(), recorded);
-        }
+        let begin = cycle.begins.into_iter().next_back();
+        self.specification(component, at, &cycle.specification, begin.as_ref());
         if !is_intact {
             let words = format!("the record of step {} was changed", cycle.number);
             self.entry(at, &NewEntry::new("error", "recording", component, words));
         }
-        // a state that was taken over continues in that of its predecessor
-        let begin = cycle.begins.into_iter().next_back();
-        let begin = begin.filter(|begin| !matches!(begin.from, MachineOrigin::Predecessor { .. }));
-        let begin = begin.map(|begin| begin.state.into_iter().collect());
+        let versions = self.versions.get(component).map_or(0, Vec::len);
+        let begin = begin.map(|begin| RecordedBegin {
+            state: begin.state.into_iter().collect(),
+            version: versions.saturating_sub(1),
+            continues: matches!(begin.from, MachineOrigin::Predecessor { .. }),
+        });
         let record = StepRecord {
             specification: cycle.specification,
             number: cycle.number,
@@ -172,37 +208,43 @@ impl RunBuilder {
         }
     }
 
-    /// Describes the specification of a component, from its first step. Returns its initial state; nothing if its beginning is not
-    /// recorded.
-    fn specification(&mut self, component: &str, first: &RecordedCycle) -> Vec<(String, String)> {
-        let mut files = MemoryFiles::new();
-        let sources = first.begins.last().map(|begin| &*begin.sources);
-        let sources = sources.unwrap_or_default();
-        let main = match sources.first() {
-            Some(main) => main.path.clone(),
-            // a part that continues another one does not say which text is that of the component
-            None => {
-                let is_named = |path: &&String| {
-                    Path::new(path).file_stem() == Some(OsStr::new(&first.specification))
-                };
-                let named = self.texts.keys().map(|(_, path)| path).find(is_named);
-                named.cloned().unwrap_or_default()
-            }
+    /// Describes the specification with which a component makes a step, unless it is that of the step before. `name` is that of the
+    /// specification, and `begin` the machine that begins with this step.
+    fn specification(
+        &mut self,
+        component: &str,
+        at: Time,
+        name: &str,
+        begin: Option<&MachineBegin>,
+    ) {
+        let sources = begin.map(|begin| &*begin.sources).unwrap_or_default();
+        let versions = self.versions.entry(component.to_owned()).or_default();
+        let is_same = |last: &SpecificationVersion| {
+            sources.is_empty() || is_same_text(&last.sources, sources)
         };
-        for ((hash, path), text) in &self.texts {
-            if sources.is_empty()
-                || sources
-                    .iter()
-                    .any(|it| it.hash == *hash && it.path == *path)
-            {
-                files.add(path, Arc::clone(text));
-            }
+        if versions.last().is_some_and(is_same) {
+            return;
         }
-        let initial = self.system.add_specification(component, &main, &files);
-        if sources.is_empty() {
-            Vec::new()
-        } else {
-            initial
+        let (main, files) = files_of(&self.texts, name, sources);
+        let is_first = versions.is_empty();
+        let from = if is_first { Time::ZERO } else { at };
+        let described = self
+            .system
+            .add_specification(component, from, &main, &files);
+        versions.push(SpecificationVersion {
+            sources: sources.to_vec(),
+            from,
+            control: described.control,
+        });
+        if is_first {
+            // without its beginning, the recording does not say in which state it was
+            let known = if sources.is_empty() {
+                Vec::new()
+            } else {
+                described.initial
+            };
+            let recorded = RecordedSteps::new(&known);
+            self.moments.steps.insert(component.to_owned(), recorded);
         }
     }
 
@@ -224,15 +266,29 @@ impl RunBuilder {
             // the caller's record says the same
             Some(("answer", _)) => {}
             Some(_) | None => {
-                let record = data.datum().ok();
-                if let Some(entry) = record.as_ref().and_then(of_event) {
-                    if let Some(component) = record.as_ref().and_then(|it| it.get("component")) {
-                        self.system
-                            .add_component(component.as_text().unwrap_or_default());
-                    }
-                    self.entry(at, &entry);
+                if let Ok(record) = data.datum() {
+                    self.event(channel, at, &record);
                 }
             }
+        }
+    }
+
+    fn event(&mut self, channel: &str, at: Time, record: &Datum) {
+        let text = |member: &str| {
+            let value = record.get(member);
+            value
+                .and_then(|it| it.as_text().map(str::to_owned))
+                .unwrap_or_default()
+        };
+        if channel == MARKS {
+            let violation = (at.seconds(), text("component"), text("text"));
+            self.recording.violations.push(violation);
+            return;
+        }
+        self.moments.components.event(at, record);
+        if let Some(entry) = of_event(record) {
+            self.system.add_component(&text("component"));
+            self.entry(at, &entry);
         }
     }
 
@@ -257,7 +313,7 @@ impl RunBuilder {
 
     fn entry(&mut self, at: Time, entry: &NewEntry) {
         let marks = &mut self.recording.marks;
-        if ["warning", "error"].contains(&entry.level) && marks.len() < MARKS {
+        if ["warning", "error"].contains(&entry.level) && marks.len() < MOST_MARKS {
             marks.push((at.seconds(), entry.level, entry.text.clone()));
         }
         let json = entry.json(at);
@@ -273,18 +329,16 @@ impl RunBuilder {
             mut system,
             mut recording,
             mut moments,
+            versions,
             ..
         } = self;
         moments.log.sort_by_key(|entry| entry.at);
         moments.calls.sort_by_key(|entry| entry.at);
-        for (component, location) in system.control_states() {
-            let changes = moments
-                .steps
-                .get(&component)
-                .map(|it| it.changes(&location));
-            recording
-                .changes
-                .insert(component, changes.unwrap_or_default());
+        for (component, versions) in versions {
+            if let Some(recorded) = moments.steps.get(&component) {
+                let changes = recorded.control_changes(&versions);
+                recording.changes.insert(component, changes);
+            }
         }
         for (name, output) in &moments.outputs {
             if output.kind == ODOMETRY {
@@ -292,7 +346,6 @@ impl RunBuilder {
             }
         }
         recording.end = moments.end.seconds();
-        moments.outputs_json = outputs_json(&moments.outputs);
         system.recording = Some(recording);
         RecordedRun {
             system,
@@ -362,34 +415,137 @@ fn pose(odometry: &Datum) -> Option<[f64; 3]> {
 }
 
 impl RecordedSteps {
-    /// Changes of a location: time, value before and after.
-    fn changes(&self, location: &str) -> Vec<(f64, String, String)> {
-        let updates = self.steps.iter().flat_map(|(at, step)| {
-            let changed = step.updates.iter();
-            let changed = changed.filter(|it| it.location == location && it.before != it.after);
-            changed.map(|it| (at.seconds(), it.before.clone(), it.after.clone()))
-        });
-        updates.collect()
+    /// Changes of the control state: time, value before and after. Each version of the specification has its own location, and a
+    /// machine that begins again may change it without a step.
+    fn control_changes(&self, versions: &[SpecificationVersion]) -> Vec<(f64, String, String)> {
+        let mut changes = Vec::new();
+        let mut last: Option<String> = None;
+        let mut change = |at: Time, before: Option<&str>, after: &str| {
+            let known = last.take();
+            if let Some(before) = before
+                .or(known.as_deref())
+                .filter(|before| *before != after)
+            {
+                changes.push((at.seconds(), before.to_owned(), after.to_owned()));
+            }
+            last = Some(after.to_owned());
+        };
+        for (index, (at, step)) in self.steps.iter().enumerate() {
+            let version = versions.iter().rfind(|version| version.from <= *at);
+            let Some(control) = version.and_then(|it| it.control.as_deref()) else {
+                continue;
+            };
+            let begin = self.begins.get(&index).map(|begin| &begin.state);
+            let began =
+                begin.and_then(|state| state.iter().find(|(location, _)| location == control));
+            if let Some((_, value)) = began {
+                change(*at, None, value);
+            }
+            for update in step.updates.iter().filter(|it| it.location == control) {
+                change(*at, Some(&update.before), &update.after);
+            }
+        }
+        changes
     }
 }
 
-/// Names, types and rates of outputs, in the form of a running system.
-fn outputs_json(outputs: &BTreeMap<String, RecordedOutput>) -> String {
-    let output = |(name, it): (&String, &RecordedOutput)| {
-        let topic = it
-            .topic
-            .as_ref()
-            .map_or_else(|| "null".to_owned(), |it| quoted(it));
-        let rate = it
-            .rate_hz()
-            .map_or_else(|| "null".to_owned(), |rate| format!("{rate:.3}"));
-        format!(
-            "{{\"name\":{},\"type\":{},\"topic\":{topic},\"n\":{},\"hz\":{rate},\"age_ms\":0,\"stale\":false}}",
-            quoted(name),
-            quoted(&it.kind),
-            it.samples.len(),
-        )
+fn is_same_text(one: &[SourceRecord], other: &[SourceRecord]) -> bool {
+    let key = |it: &SourceRecord| (it.path.clone(), it.hash.clone());
+    one.iter().map(key).eq(other.iter().map(key))
+}
+
+/// The path of a specification and its files, of those that are attached. A part that continues another one does not say which files
+/// its specifications have: all are given then.
+fn files_of(
+    texts: &BTreeMap<(String, String), Arc<str>>,
+    name: &str,
+    sources: &[SourceRecord],
+) -> (String, MemoryFiles) {
+    let main = match sources.first() {
+        Some(main) => main.path.clone(),
+        None => {
+            let is_named = |path: &&String| Path::new(path).file_stem() == Some(OsStr::new(name));
+            let named = texts.keys().map(|(_, path)| path).find(is_named);
+            named.cloned().unwrap_or_default()
+        }
     };
-    let outputs: Vec<String> = outputs.iter().map(output).collect();
-    format!("[{}]", outputs.join(","))
+    let mut files = MemoryFiles::new();
+    for ((hash, path), text) in texts {
+        let is_source = |it: &SourceRecord| it.hash == *hash && it.path == *path;
+        if sources.is_empty() || sources.iter().any(is_source) {
+            files.add(path, Arc::clone(text));
+        }
+    }
+    (main, files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asmotion_coordinator::UpdateRecord;
+
+    fn step(location: &str, before: &str, after: &str) -> StepRecord {
+        let update = UpdateRecord {
+            location: location.to_owned(),
+            before: before.to_owned(),
+            after: after.to_owned(),
+            ..UpdateRecord::default()
+        };
+        StepRecord {
+            updates: vec![update],
+            ..StepRecord::default()
+        }
+    }
+
+    fn begin(location: &str, value: &str, version: usize, continues: bool) -> RecordedBegin {
+        RecordedBegin {
+            state: vec![(location.to_owned(), value.to_owned())],
+            version,
+            continues,
+        }
+    }
+
+    #[test]
+    fn the_control_state_changes_with_steps_resets_and_versions() {
+        let at = |seconds: i64| Time::from_nanos(seconds * 1_000_000_000);
+        let mut steps = RecordedSteps::new(&[]);
+        steps.push(
+            at(1),
+            step("mode", "IDLE", "RUN"),
+            Some(begin("mode", "IDLE", 0, false)),
+        );
+        steps.push(at(2), step("n", "1", "2"), None);
+        // a reset, and another text with another location, whose first step does not write it
+        steps.push(
+            at(3),
+            step("n", "0", "1"),
+            Some(begin("mode", "IDLE", 0, false)),
+        );
+        steps.push(at(4), step("mode", "IDLE", "RUN"), None);
+        steps.push(
+            at(5),
+            step("n", "1", "2"),
+            Some(begin("phase", "REST", 1, true)),
+        );
+        steps.push(at(6), step("mode", "RUN", "IDLE"), None);
+        steps.push(at(7), step("phase", "REST", "WORK"), None);
+        let version = |from: i64, control: &str| SpecificationVersion {
+            sources: Vec::new(),
+            from: at(from),
+            control: Some(control.to_owned()),
+        };
+        let changes = steps.control_changes(&[version(0, "mode"), version(5, "phase")]);
+        let words: Vec<String> = changes
+            .iter()
+            .map(|(t, before, after)| format!("{t} {before} {after}"))
+            .collect();
+        let expected = [
+            "1 IDLE RUN",
+            "3 RUN IDLE",
+            "4 IDLE RUN",
+            "5 RUN REST",
+            "7 REST WORK",
+        ];
+        assert_eq!(words, expected);
+    }
 }

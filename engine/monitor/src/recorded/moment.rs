@@ -18,12 +18,55 @@ const MOST: usize = 2000;
 const SERIES: usize = 4000;
 /// Type of the samples of which a window has all, for charts.
 const CHARTED: &str = "youbot/JointStatus";
+/// Number of samples over which a rate is measured, as of a running system.
+const RATE_SAMPLES: usize = 32;
+/// Number of samples from which an output counts as regular, so that its silence means something.
+const REGULAR: usize = 8;
+/// Number of intervals after which a silent output is stale, but not before [`PATIENCE_S`].
+pub(super) const REGULAR_FACTOR: f64 = 4.0;
+/// Minimum silence after which an output is stale, in seconds.
+pub(super) const PATIENCE_S: f64 = 1.0;
+
+/// Whether something happened up to a time in seconds.
+pub(super) fn seconds_until(at: Time, t: f64) -> bool {
+    at.seconds() <= t + 1e-9
+}
 
 /// The part of a sequence that belongs to a window.
 struct WindowRange {
     range: Range<usize>,
     /// Times between which the window need not be replaced, in seconds; infinite at an end of the sequence.
     valid: (f64, f64),
+}
+
+/// How an output fares at a time.
+#[derive(Debug, PartialEq)]
+struct OutputPace {
+    /// Time since its newest sample, in seconds; `None` before the first one.
+    age_s: Option<f64>,
+    /// Mean interval between its last samples, in seconds; `None` before the second one.
+    gap_s: Option<f64>,
+    /// Whether an output with regular samples has fallen silent.
+    is_stale: bool,
+}
+
+impl OutputPace {
+    /// The pace at a time, from the times of the last samples up to then.
+    fn of(recent: &[f64], t: f64) -> Self {
+        let age_s = recent.last().map(|last| (t - last).max(0.0));
+        let gap_s = match recent {
+            [first, .., last] => Some((last - first) / (recent.len() - 1) as f64),
+            [_] | [] => None,
+        };
+        let gap_s = gap_s.filter(|gap| *gap > 0.0);
+        let limit = gap_s.map(|gap| (gap * REGULAR_FACTOR).max(PATIENCE_S));
+        let is_silent = age_s.zip(limit).is_some_and(|(age, limit)| age > limit);
+        Self {
+            age_s,
+            gap_s,
+            is_stale: is_silent && recent.len() >= REGULAR,
+        }
+    }
 }
 
 impl Past for RunMoments {
@@ -48,20 +91,42 @@ impl Past for RunMoments {
         } else {
             Value::Null
         };
+        let outputs = self.outputs.iter().map(|(name, it)| it.summary(name, t));
+        let outputs: Vec<String> = outputs.collect();
+        let components = if request.components {
+            self.components.json(t, &self.steps)
+        } else {
+            "null".to_owned()
+        };
         format!(
-            "{{\"type\":\"moment\",\"t\":{t},\"outputs\":{},\"samples\":{{{}}},\"window\":{window}}}",
-            self.outputs_json,
+            "{{\"type\":\"moment\",\"t\":{t},\"outputs\":[{}],\"components\":{components},\"samples\":{{{}}},\"window\":{window}}}",
+            outputs.join(","),
             samples.join(",")
         )
     }
 }
 
 impl RecordedOutput {
+    /// Name, type, and the rate and age at a time as JSON, in the form of a running system.
+    fn summary(&self, name: &str, t: f64) -> String {
+        let count = self
+            .samples
+            .partition_point(|(at, _)| seconds_until(*at, t));
+        let recent = self.samples.get(count.saturating_sub(RATE_SAMPLES)..count);
+        let recent = recent.into_iter().flatten().map(|(at, _)| at.seconds());
+        let pace = OutputPace::of(&recent.collect::<Vec<_>>(), t);
+        json!({
+            "name": name, "type": self.kind, "topic": self.topic, "n": count, "hz": pace.gap_s.map(f64::recip),
+            "age_ms": pace.age_s.map(|age| (age * 1000.0).round()), "stale": pace.is_stale,
+        })
+        .to_string()
+    }
+
     /// The newest sample at a time as JSON: `null` before the first one, without its data if the tab has it.
     fn sample(&self, t: f64, has: Option<&u64>) -> String {
         let number = self
             .samples
-            .partition_point(|(at, _)| at.seconds() <= t + 1e-9);
+            .partition_point(|(at, _)| seconds_until(*at, t));
         let Some((at, data)) = number
             .checked_sub(1)
             .and_then(|last| self.samples.get(last))
@@ -131,7 +196,7 @@ impl RunMoments {
         };
         let (log, calls) = (entries(&self.log), entries(&self.calls));
         let charted = self.outputs.iter().filter(|(_, it)| it.kind == CHARTED);
-        let around = (t - span.max(120.0), t + span / 2.0);
+        let around = (t - span.max(120.0), t + span);
         let series: BTreeMap<_, _> = charted
             .map(|(name, it)| (name, it.series(around)))
             .collect();
@@ -151,7 +216,16 @@ impl RecordedSteps {
     fn entries(&self, component: &str, range: Range<usize>) -> Vec<Value> {
         let first = range.start;
         let steps = self.steps.get(range).unwrap_or_default().iter();
-        let entry = |(index, (at, step)): (usize, &(Time, _))| json!({ "t": at.seconds(), "component": component, "index": first + index, "step": step });
+        let entry = |(offset, (at, step)): (usize, &(Time, _))| {
+            let index = first + offset;
+            let mut entry =
+                json!({ "t": at.seconds(), "component": component, "index": index, "step": step });
+            // the state before a machine began does not follow from the updates of later steps
+            if self.begins.contains_key(&index) {
+                entry["before"] = json!(self.state_before(index));
+            }
+            entry
+        };
         steps.enumerate().map(entry).collect()
     }
 }
@@ -193,6 +267,25 @@ fn window_range(count: usize, t: f64, span: f64, time: impl Fn(usize) -> f64) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_output_has_the_rate_and_the_age_of_its_time() {
+        let never = OutputPace {
+            age_s: None,
+            gap_s: None,
+            is_stale: false,
+        };
+        assert_eq!(OutputPace::of(&[], 9.0), never);
+        let times: Vec<f64> = (0..10).map(|tick| 1.0 + f64::from(tick) * 0.5).collect();
+        let pace = |t| OutputPace::of(&times, t);
+        assert_eq!(
+            (pace(5.75).age_s, pace(5.75).gap_s),
+            (Some(0.25), Some(0.5))
+        );
+        assert_eq!([pace(7.5).is_stale, pace(7.6).is_stale], [false, true]);
+        // a few samples do not make an output regular
+        assert!(!OutputPace::of(&times[..7], 60.0).is_stale);
+    }
 
     #[test]
     fn a_window_lies_around_its_time_and_says_how_far_it_reaches() {

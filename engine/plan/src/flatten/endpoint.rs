@@ -1,7 +1,7 @@
 //! Resolves brokers, gateways and bridges, including secrets.
 
 use std::collections::BTreeMap;
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, Ipv6Addr, SocketAddr};
 
 use asmotion_bus::RobotAddress;
 use asmotion_diagnostics::Span;
@@ -181,10 +181,17 @@ fn problem(url: &str) -> Option<&'static str> {
     let (authority, _) = rest.split_once('/').unwrap_or((rest, ""));
     let (host, port) = host_and_port(authority);
     let is_port = |port: &str| port.parse::<u16>().is_ok_and(|port| port > 0);
+    let bracketed = host.strip_prefix('[').and_then(|it| it.strip_suffix(']'));
     if authority.contains('@') {
         Some("contains a user name: give the secret as `token`")
     } else if host.is_empty() {
         Some("has no host")
+    } else if bracketed.is_none() && authority.parse::<Ipv6Addr>().is_ok() {
+        Some("has an IPv6 address, which is written in brackets: `http://[::1]/`")
+    } else if bracketed.is_some_and(|it| it.parse::<Ipv6Addr>().is_err())
+        || bracketed.is_none() && host.contains(['[', ']', ':'])
+    {
+        Some("has no valid host")
     } else if !port.is_none_or(is_port) {
         Some("has no valid port")
     } else if url.contains(['?', '#']) {

@@ -224,6 +224,8 @@ fn port(name: &str, message: &str) -> PortDeclaration {
         schema,
         doc: String::new(),
         safe: None,
+        command: false,
+        optional: false,
     }
 }
 

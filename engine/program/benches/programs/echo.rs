@@ -56,6 +56,8 @@ fn declaration() -> Datum {
         schema: sample_schema(),
         doc: String::new(),
         safe: None,
+        command: false,
+        optional: false,
     };
     let declaration = Declaration {
         inputs: vec![port("in")],

@@ -196,6 +196,22 @@ fn data_of_all_types_pass_through_cpp_unchanged() {
     assert_eq!(passed(&echo, ("in", "out"), sample.clone()), sample);
 }
 
+#[test]
+fn inputs_for_commands_are_marked_in_the_declaration_of_a_program_in_cpp() {
+    let Some(echo) = probe(&["echo"]) else {
+        return;
+    };
+    let inputs = declaration(&echo)
+        .expect("a declaration")
+        .declaration
+        .inputs;
+    let marked = inputs.iter().map(|it| (it.name.as_str(), it.command));
+    assert_eq!(
+        marked.collect::<Vec<_>>(),
+        [("in", false), ("target", true)]
+    );
+}
+
 /// The lines of a program that runs beside itself: its reference is wired to the service of another one.
 fn effects(activity: Activity) -> Option<String> {
     let program = probe(&["effects"])?;

@@ -55,18 +55,19 @@ struct Everything {
     }
 };
 
-class Echo : public asmotion::Component {
-    asmotion::In<Everything> in{this, "in", "any sample"};
-    asmotion::Out<Everything> out{this, "out", "the same sample"};
-    void update(asmotion::Cycle&) override {
-        for (const Everything& sample : in.all()) out.write(sample);
-    }
-};
-
 struct Number {
     static constexpr const char* message_name = "acme/Number";
     std::int64_t n{};
     template <class V> static void fields(V&& visit) { visit("n", &Number::n, ""); }
+};
+
+class Echo : public asmotion::Component {
+    asmotion::In<Everything> in{this, "in", "any sample"};
+    asmotion::In<Number> target{this, "target", "where to go", asmotion::command};
+    asmotion::Out<Everything> out{this, "out", "the same sample"};
+    void update(asmotion::Cycle&) override {
+        for (const Everything& sample : in.all()) out.write(sample);
+    }
 };
 
 struct Counting {

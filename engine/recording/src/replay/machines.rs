@@ -46,7 +46,7 @@ impl RecordedMachines {
         let mut hashes: BTreeMap<String, String> = BTreeMap::new();
         for item in files.items()? {
             match item {
-                RecordingItem::Text { name, text } => read.texts.add(&name, text),
+                RecordingItem::Text { name, text, .. } => read.texts.add(&name, text),
                 RecordingItem::Step { component, step } => {
                     let before = hashes.get(&component);
                     let is_next = before.is_none_or(|hash| *hash == step.hashes.previous);

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::queue::{ChannelAbout, ChannelSchema};
-use super::ros_type::RosType;
+use asmotion_viewer_encoding::RosType;
+
+use super::queue::ChannelAbout;
 
 /// Kind of the messages in a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -90,10 +91,7 @@ impl ChannelTable {
         let channel = RecordedChannel {
             number,
             sequence: 0,
-            ros: about.and_then(|about| match &about.schema {
-                ChannelSchema::Json(..) => None,
-                ChannelSchema::Ros(of) => Some(Arc::clone(of)),
-            }),
+            ros: about.and_then(|about| about.schema.ros_type().cloned()),
         };
         names.insert(name.to_owned(), channel);
         number

@@ -4,8 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use asmotion_datum::{Datum, DatumError, json};
-
-use super::ros_type::RosType;
+use asmotion_viewer_encoding::RosType;
 
 /// A recorded message, which is decoded when it is needed.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,7 +17,6 @@ mod options;
 mod queue;
 mod reader;
 mod recorder;
-mod ros_type;
 mod schemas;
 mod writer;
 

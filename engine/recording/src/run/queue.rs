@@ -1,11 +1,12 @@
 //! The queue between the recorder and the thread that writes: bounded by the bytes that wait.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use asmotion_viewer_encoding::ChannelSchema;
+
 use super::options::Overflow;
-use super::ros_type::RosType;
 
 /// Capacity of the queue, in bytes of messages.
 const CAPACITY: usize = 64 << 20;
@@ -47,32 +48,13 @@ pub(super) struct ChannelAbout {
     pub facts: Vec<(&'static str, String)>,
 }
 
-/// The type of the messages of a channel.
-#[derive(Clone, Debug)]
-pub(super) enum ChannelSchema {
-    /// JSON, with the name and the text of its JSON Schema.
-    Json(String, String),
-    /// A message of ROS 2, in CDR.
-    Ros(Arc<RosType>),
-}
-
-impl ChannelSchema {
-    /// Size of the definition, in bytes.
-    fn size(&self) -> usize {
-        match self {
-            Self::Json(_, text) => text.len(),
-            Self::Ros(of) => of.definition.len(),
-        }
-    }
-}
-
 impl WriterJob {
     fn size(&self) -> usize {
         const OVERHEAD: usize = 64;
         OVERHEAD
             + match self {
                 Self::Message { data, .. } => data.len(),
-                Self::Channel { about, .. } => about.schema.size(),
+                Self::Channel { about, .. } => about.schema.definition().len(),
                 Self::Attachment { text } => text.text.len(),
             }
     }
@@ -191,6 +173,7 @@ impl JobQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     fn message(size: usize) -> WriterJob {
         WriterJob::Message {

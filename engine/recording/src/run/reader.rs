@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use asmotion_component::Time;
 use asmotion_coordinator::RecordedCycle;
+use asmotion_viewer_encoding::{CDR, ROS2_DEFINITION, RosType};
 use mcap::records::{Channel, MessageHeader, Metadata, Record};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::chain::{StepHashes, is_intact};
 use super::message_data::{KnownChannel, MessageData, MessageEncoding};
-use super::ros_type::RosType;
-use super::writer::{CDR, CHANNEL, CONTENT, END_FACTS, PORT, ROS2_DEFINITION, RUN_FACTS, TYPE};
+use super::writer::{CHANNEL, CONTENT, END_FACTS, PORT, RUN_FACTS, TYPE};
 use crate::read::RecordingError;
 
 /// Limit for the size of a record, against files that are none.
@@ -30,6 +30,8 @@ pub enum RecordingItem {
     Text {
         /// Name of the attachment.
         name: String,
+        /// Time in the run from which it applies: 0, or that of the change for texts of a later version.
+        at: Time,
         /// Content of the attachment.
         text: String,
     },
@@ -230,6 +232,7 @@ impl RunReader {
                 Next::Nothing
             }
             Record::Attachment { header, data, .. } => Next::Item(RecordingItem::Text {
+                at: self.time(header.log_time),
                 name: header.name,
                 text: String::from_utf8_lossy(&data).into_owned(),
             }),
@@ -249,6 +252,12 @@ impl RunReader {
         }
     }
 
+    /// The time in the run of a time in the file.
+    fn time(&self, log_time: u64) -> Time {
+        let nanos = log_time.saturating_sub(self.epoch_ns);
+        Time::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX))
+    }
+
     fn message(&mut self, header: &MessageHeader, bytes: Vec<u8>) -> Next {
         let Some(channel) = self.channels.get(&header.channel_id) else {
             return Next::Nothing;
@@ -258,10 +267,9 @@ impl RunReader {
             channel: Arc::clone(channel),
         };
         let Some(component) = stepping(&channel.name) else {
-            let nanos = header.log_time.saturating_sub(self.epoch_ns);
             return Next::Item(RecordingItem::Message {
                 channel: channel.name.clone(),
-                at: Time::from_nanos(i64::try_from(nanos).unwrap_or(i64::MAX)),
+                at: self.time(header.log_time),
                 data,
             });
         };

@@ -11,8 +11,9 @@ use asmotion_coordinator::{
     FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT, VIOLATION_REPORT,
     ViolationRecord,
 };
-use asmotion_datum::{Datum, Sample, Schema, json};
+use asmotion_datum::{Datum, Sample, Schema};
 use asmotion_runtime::{Event, Observer};
+use asmotion_viewer_encoding::{ChannelSchema, RosType};
 use serde_json::{Value, json};
 
 use super::chain::{StepChain, text_hash};
@@ -20,7 +21,6 @@ use super::channels::{ChannelKind, ChannelTable};
 use super::event_record::{datum_json, event_record};
 use super::options::{RecorderOptions, RecordingFile};
 use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
-use super::ros_type::RosType;
 use super::schemas;
 use super::writer::{PORT, RecordingEnd, RecordingFailure, RecordingWriter};
 use crate::pattern::PortPatterns;
@@ -272,7 +272,9 @@ impl RecordingObserver {
             let about = is_wanted.then(|| self.of_messages(channel, &place, topic, sample));
             self.add_channel(kind, owner, name, about);
         }
-        self.message(at, (kind, owner, name), |ros| sample_bytes(sample, ros));
+        self.message(at, (kind, owner, name), |ros| {
+            RosType::encode_or_json(ros, sample)
+        });
     }
 
     /// Records a sample from outside of the system: of a topic, or of a port (`Component.port`).
@@ -294,7 +296,9 @@ impl RecordingObserver {
             let about = is_wanted.then(|| self.of_messages(channel, target, topic, sample));
             self.add_channel(kind, owner, name, about);
         }
-        self.message(at, (kind, owner, name), |ros| sample_bytes(sample, ros));
+        self.message(at, (kind, owner, name), |ros| {
+            RosType::encode_or_json(ros, sample)
+        });
     }
 
     /// The description of a channel of samples.
@@ -310,7 +314,7 @@ impl RecordingObserver {
         let schema = types.get(place).or(of_topic);
         ChannelAbout {
             topic: channel,
-            schema: schemas::of_messages(sample.type_name(), schema),
+            schema: ChannelSchema::of_messages(sample.type_name(), schema),
             facts: vec![(PORT, place.to_owned())],
         }
     }
@@ -546,13 +550,4 @@ fn outcome(result: &Result<&dyn Sample, &CallError>) -> Value {
 fn sample_json(sample: &dyn Sample) -> Value {
     let datum = sample.to_datum();
     datum.as_ref().map(datum_json).unwrap_or_default()
-}
-
-/// A sample as a message of a channel: of a type of ROS 2, or as JSON.
-fn sample_bytes(sample: &dyn Sample, ros: Option<&RosType>) -> Option<Vec<u8>> {
-    let datum = sample.to_datum().ok()?;
-    match ros {
-        Some(of) => of.encode(datum),
-        None => json::encode_datum(&datum).ok().map(String::into_bytes),
-    }
 }

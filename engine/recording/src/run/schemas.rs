@@ -1,53 +1,7 @@
 //! JSON Schemas of the records in a recording.
 
-use std::sync::Arc;
-
-use asmotion_datum::Schema;
-use asmotion_datum::json_schema::SchemaDefinitions;
+use asmotion_viewer_encoding::ChannelSchema;
 use serde_json::{Value, json};
-
-use super::queue::ChannelSchema;
-use super::ros_type::RosType;
-
-/// The schema of messages of a type: that of ROS 2 if there is one, otherwise one of JSON; of any object if the type is unknown.
-pub(super) fn of_messages(name: &str, schema: Option<&Schema>) -> ChannelSchema {
-    if let Some(of) = schema.and_then(RosType::of) {
-        return ChannelSchema::Ros(Arc::new(of));
-    }
-    let Some(schema) = schema else {
-        let name = if name.is_empty() {
-            "asmotion.Message"
-        } else {
-            name
-        };
-        return ChannelSchema::Json(name.to_owned(), json!({ "type": "object" }).to_string());
-    };
-    let name = match (&*schema.name, name) {
-        ("", "") => "asmotion.Message",
-        ("", name) => name,
-        (known, _) => known,
-    };
-    let mut definitions = SchemaDefinitions::at("#/$defs");
-    let root = definitions.schema(schema);
-    let root = resolved(root, &definitions.into_value());
-    ChannelSchema::Json(name.to_owned(), root.to_string())
-}
-
-/// Puts the root definition in the place of the reference to it: readers expect an object with properties.
-fn resolved(root: Value, definitions: &Value) -> Value {
-    let reference = root.get("$ref").and_then(Value::as_str);
-    let key = reference.and_then(|path| path.strip_prefix("#/$defs/"));
-    let mut root = match key.and_then(|key| definitions.get(key)) {
-        Some(definition) => definition.clone(),
-        None => root,
-    };
-    if let Value::Object(members) = &mut root {
-        members.insert("$defs".to_owned(), definitions.clone());
-        // a reader that wants an object gets one, whatever is in it
-        members.entry("type").or_insert_with(|| "object".into());
-    }
-    root
-}
 
 fn text() -> Value {
     json!({ "type": "string" })

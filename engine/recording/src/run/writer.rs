@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asmotion_datum::Datum;
+use asmotion_viewer_encoding::{ChannelSchema, JSON, RosType};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions, Writer};
@@ -14,8 +15,7 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use super::chain::text_hash;
 use super::file::ChunkFile;
 use super::options::{RecorderOptions, RecordingFile};
-use super::queue::{AttachedText, ChannelAbout, ChannelSchema, JobQueue, WriterJob};
-use super::ros_type::RosType;
+use super::queue::{AttachedText, ChannelAbout, JobQueue, WriterJob};
 use crate::profile::RecordingProfile;
 
 /// Interval at which the writer looks for messages.
@@ -32,15 +32,6 @@ pub(super) const RUN_FACTS: &str = "asmotion.run";
 
 /// Name of the metadata record at the end of a recording. A file without it was cut.
 pub(super) const END_FACTS: &str = "asmotion.end";
-
-/// Encoding of messages without a type of ROS.
-const JSON: &str = "json";
-
-/// Encoding of messages with a type of ROS.
-pub(super) const CDR: &str = "cdr";
-
-/// Encoding of definitions of ROS 2.
-pub(super) const ROS2_DEFINITION: &str = "ros2msg";
 
 /// Fact about a channel with a name of ROS: its own name.
 pub(super) const CHANNEL: &str = "channel";
@@ -452,13 +443,11 @@ impl OpenFile {
                 (name, ChannelSchema::Ros(of), text)
             }
         };
-        let (name, encoding, definition, messages) = match &schema {
-            ChannelSchema::Json(name, definition) => (name, "jsonschema", definition, JSON),
-            ChannelSchema::Ros(of) => (&of.name, ROS2_DEFINITION, &of.definition, CDR),
-        };
+        let (name, definition) = (schema.name(), schema.definition().as_bytes());
+        let messages = schema.message_encoding();
         let schema = self
             .writer
-            .add_schema(name, encoding, definition.as_bytes())?;
+            .add_schema(name, schema.definition_encoding(), definition)?;
         let id = self.writer.add_channel(schema, &topic, messages, &facts)?;
         let known = FileChannel { id, text };
         self.channels.insert(channel, known.clone());

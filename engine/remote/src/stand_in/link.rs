@@ -7,10 +7,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use asmotion_bus::{
-    Bus, BusError, Envelope, Notifier, Overflow, Pattern, QueuePolicy, Subscription,
+    Bus, BusError, CallFailure, Envelope, Notifier, Overflow, Pattern, PendingCall, QueuePolicy,
+    Subscription,
 };
-use asmotion_component::Losses;
 use asmotion_component::declaration::Declaration;
+use asmotion_component::{Losses, State};
 use asmotion_datum::Datum;
 
 use super::announced::RobotComponent;
@@ -45,6 +46,8 @@ struct LinkState {
     /// Commands by input, filled by the component.
     commands: Mutex<VecDeque<(String, Datum)>>,
     notices: Mutex<Vec<String>>,
+    /// Why the robot cannot be reached; `None` while it can.
+    absence: Mutex<Option<&'static str>>,
     /// The reason that the component must fail.
     fault: Mutex<Option<String>>,
     dropped: AtomicU64,
@@ -68,6 +71,7 @@ impl Link {
             samples: Mutex::default(),
             commands: Mutex::default(),
             notices: Mutex::default(),
+            absence: Mutex::new(Some("has not been found yet")),
             fault: Mutex::default(),
             dropped: AtomicU64::new(0),
             misfits: AtomicU64::new(0),
@@ -93,6 +97,11 @@ impl Link {
     /// Takes the texts for the person who runs the system.
     pub(super) fn notices(&self) -> Vec<String> {
         std::mem::take(&mut *lock(&self.shared.notices))
+    }
+
+    /// Why the robot cannot be reached, as the rest of a sentence about it; `None` while it can.
+    pub(super) fn absence(&self) -> Option<&'static str> {
+        *lock(&self.shared.absence)
     }
 
     /// Sends a command to an input of the robot.
@@ -147,6 +156,14 @@ impl LinkState {
         (self.waker)();
     }
 
+    /// Sets whether the robot can be reached, and why not.
+    fn set_absence(&self, absence: Option<&'static str>) {
+        let before = std::mem::replace(&mut *lock(&self.absence), absence);
+        if before != absence {
+            (self.waker)();
+        }
+    }
+
     fn fail(&self, reason: String) {
         *lock(&self.fault) = Some(reason);
         (self.waker)();
@@ -169,6 +186,8 @@ struct RobotEnd {
     process: Option<LinkedProcess>,
     /// Another process with the same component, which has been reported.
     rival: Option<String>,
+    /// Commands of which the broker has not said whether the robot's queue has them.
+    sent: Vec<PendingCall>,
 }
 
 /// The process of the robot that runs the component.
@@ -205,6 +224,7 @@ impl RobotEnd {
             presences,
             process: None,
             rival: None,
+            sent: Vec::new(),
         })
     }
 
@@ -257,7 +277,7 @@ impl RobotEnd {
                 }
                 if linked.incarnation == envelope.incarnation {
                     linked.heard_at = Instant::now();
-                    return;
+                    return self.shared.set_absence(absence(present));
                 }
             }
             Some(linked) => {
@@ -294,6 +314,7 @@ impl RobotEnd {
         };
         if let Err(difference) = self.robot_component.check(&declared) {
             self.process = None;
+            self.shared.set_absence(Some("has another interface"));
             return self.shared.fail(difference);
         }
         let now = Instant::now();
@@ -303,6 +324,7 @@ impl RobotEnd {
             heard_at: now,
             renewed_at: now,
         });
+        self.shared.set_absence(absence(present));
         self.watch();
     }
 
@@ -325,9 +347,10 @@ impl RobotEnd {
         }
     }
 
-    fn lose(&mut self, how: &str) {
+    fn lose(&mut self, how: &'static str) {
         self.process = None;
         self.rival = None;
+        self.shared.set_absence(Some(how));
         let RobotComponent {
             robot, component, ..
         } = &self.robot_component;
@@ -361,19 +384,62 @@ impl RobotEnd {
 
     /// Sends the commands that wait. A command is never kept for a robot that is away: it would be stale when the robot is
     /// back.
-    fn send_commands(&self) {
+    fn send_commands(&mut self) {
         let commands = std::mem::take(&mut *lock(&self.shared.commands));
         for (input, command) in commands {
-            let sent = self.process.as_ref().is_some_and(|process| {
+            let sent = self.process.as_ref().and_then(|process| {
                 let order = OrderKind::Write(input, command);
-                self.remote.send_order(&process.location, order).is_ok()
+                let notifier = Arc::clone(&self.shared.notifier);
+                let sent = self
+                    .remote
+                    .send_within(&process.location, order, SILENT, notifier);
+                sent.ok()
             });
-            if !sent {
-                self.shared.count_dropped();
-                (self.shared.waker)();
+            match sent {
+                Some(sent) => self.sent.push(sent),
+                None => self.count_undelivered(),
             }
         }
+        self.check_deliveries();
     }
+
+    /// Counts the commands that the robot's queue has not received. If there is no such queue, the robot is away before it has
+    /// been silent for long.
+    fn check_deliveries(&mut self) {
+        let mut has_no_queue = false;
+        for sent in std::mem::take(&mut self.sent) {
+            match sent.try_take() {
+                None => self.sent.push(sent),
+                Some(Ok(_)) => {}
+                Some(Err(failure)) => {
+                    has_no_queue |= matches!(failure, CallFailure::Unavailable);
+                    self.count_undelivered();
+                }
+            }
+        }
+        if has_no_queue && self.process.is_some() {
+            self.lose("takes no commands any more");
+        }
+    }
+
+    fn count_undelivered(&self) {
+        self.shared.count_dropped();
+        (self.shared.waker)();
+    }
+}
+
+/// Why a component that has been heard of takes no commands; `None` if it does.
+fn absence(present: &PresentComponent) -> Option<&'static str> {
+    let is_in = |state: State| present.state == state.to_string();
+    let stopped = [State::PreOperational, State::Stopped];
+    let failed = [State::Exception, State::FatalError];
+    if stopped.into_iter().any(is_in) {
+        return Some("has stopped the component");
+    }
+    failed
+        .into_iter()
+        .any(is_in)
+        .then_some("has the component in a failed state")
 }
 
 /// Subscribes to the topics that match a pattern, for the thread of the link.

@@ -1,5 +1,7 @@
 //! A driver of two joints, and a composite with it.
 
+use std::time::Duration;
+
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided,
@@ -16,6 +18,11 @@ asmotion_datum::message! {
         pub position: [f64; 2],
     }
 }
+
+/// Positions that take a cycle of [`LONG_CYCLE`].
+pub const LONG_WAY: [f64; 2] = [1e3, 1e3];
+/// A cycle in which the component cannot be asked.
+const LONG_CYCLE: Duration = Duration::from_millis(700);
 
 /// Mirrors joint positions.
 pub struct Mirror;
@@ -49,6 +56,9 @@ impl Driver {
 impl Component for Driver {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         if let Some(joints) = cycle.read(self.commands).new().cloned() {
+            if joints.position == LONG_WAY {
+                std::thread::sleep(LONG_CYCLE);
+            }
             cycle.write(self.status, joints);
         }
         for request in cycle.requests(self.mirror) {

@@ -7,11 +7,11 @@ use asmotion_bus::{Bus, LocalBus, Payload, PublishOptions, SenderId};
 use asmotion_component::{CallError, SendStatus, State, Transition};
 use asmotion_datum::{Datum, Numbers, Schema};
 use asmotion_remote::{
-    OrderErrorCode, PRESENCE, Presence, PresentComponent, PresentService, Remote, RemoteError, key,
-    presence_topic,
+    OrderErrorCode, PRESENCE, Presence, PresentComponent, PresentOperation, PresentService, Remote,
+    RemoteError, key, presence_topic,
 };
 
-use crate::driver::{Joints, joints, open};
+use crate::driver::{Joints, LONG_WAY, joints, open};
 use crate::robot::Robot;
 
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -138,6 +138,21 @@ fn j15_what_is_seen_of_a_component_is_plain_data() {
 }
 
 #[test]
+fn properties_of_a_component_in_a_long_cycle_are_awaited() {
+    let robot = Robot::start();
+    let driver = robot.remote().component("Driver").expect("a component");
+    driver
+        .write("commands", joints(LONG_WAY))
+        .expect("an input");
+    // until it is in that cycle, which ends much later
+    std::thread::sleep(Duration::from_millis(200));
+    let busy = driver.refresh().expect("a look");
+    assert_eq!(busy.properties, [], "it is not in a long cycle");
+    let properties = driver.properties().expect("properties");
+    assert_eq!(properties, [("scale".to_owned(), Datum::Float(1.0))]);
+}
+
+#[test]
 fn j16_properties_are_got_and_set_all_or_none() {
     let robot = Robot::start();
     let driver = robot.remote().component("Driver").expect("a component");
@@ -251,7 +266,7 @@ fn c21_of_two_services_with_an_interface_both_are_named() {
     let service = PresentService {
         name: "planning".to_owned(),
         interface: "nav/PlanService".to_owned(),
-        operations: Vec::new(),
+        ..PresentService::default()
     };
     let component = |name: &str| PresentComponent {
         name: name.to_owned(),
@@ -276,6 +291,78 @@ fn c21_of_two_services_with_an_interface_both_are_named() {
     let expected = "ambiguous name `nav/PlanService`: rover.Planner.planning, rover.Spare.planning";
     assert_eq!(ambiguous.to_string(), expected);
     assert_eq!(remote.services("nav/PlanService").len(), 2);
+}
+
+/// A process whose presence is late is not left out where the processes are known.
+#[test]
+fn a_late_presence_is_awaited() {
+    let bus: Arc<dyn Bus> = Arc::new(LocalBus::new());
+    let remote = Remote::over_bus(Arc::clone(&bus), None).expect("a bus");
+    let publish = move |process: &str| {
+        let presence = Presence {
+            process: process.to_owned(),
+            ..Presence::default()
+        };
+        let topic = key("rover", &presence_topic(process));
+        let origin = SenderId::new(process, 0);
+        let schema = Schema::opaque(PRESENCE);
+        let publisher = bus.publisher(&topic, &origin, &schema, PublishOptions::state());
+        let sample = Payload::of(Datum::of(&presence).expect("data"));
+        let sent = publisher.expect("a topic").publish(0, sample);
+        assert!(sent.is_ok(), "{sent:?}");
+    };
+    publish("desk");
+    let late = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(2000));
+        publish("robot");
+    });
+    // who is there decides after 1.5 s
+    assert_eq!(remote.processes().len(), 1);
+    assert_eq!(remote.processes_until(|found| found.len() == 2).len(), 2);
+    late.join().expect("a thread that publishes");
+}
+
+#[test]
+fn t15_an_operation_is_named_by_the_id_of_its_component() {
+    let bus: Arc<dyn Bus> = Arc::new(LocalBus::new());
+    let remote = Remote::over_bus(Arc::clone(&bus), None).expect("a bus");
+    let component = PresentComponent {
+        name: "Planner".to_owned(),
+        id: "planner".to_owned(),
+        services: vec![PresentService {
+            name: "planning".to_owned(),
+            interface: "nav/PlanService".to_owned(),
+            operations: vec![PresentOperation {
+                name: "plan".to_owned(),
+                ..PresentOperation::default()
+            }],
+            refused: 0,
+        }],
+        ..PresentComponent::default()
+    };
+    let presence = Presence {
+        process: "one".to_owned(),
+        components: vec![component],
+        ..Presence::default()
+    };
+    let topic = key("rover", &presence_topic("one"));
+    let origin = SenderId::new("one", 0);
+    let schema = Schema::opaque(PRESENCE);
+    let publisher = bus.publisher(&topic, &origin, &schema, PublishOptions::state());
+    let sample = Payload::of(Datum::of(&presence).expect("data"));
+    let sent = publisher.expect("a topic").publish(0, sample);
+    assert!(sent.is_ok(), "{sent:?}");
+    for name in [
+        "planner.plan",
+        "planner.planning.plan",
+        "rover.planner.plan",
+        "Planner.plan",
+    ] {
+        let address = remote.short_operation_address(name);
+        let expected = Some("rover.Planner.planning.plan".to_owned());
+        assert_eq!(address, Ok(expected), "{name}");
+    }
+    assert_eq!(remote.short_operation_address("plan.plan"), Ok(None));
 }
 
 #[test]

@@ -16,12 +16,7 @@ struct Driven {
 
 fn driver() -> Driven {
     let (opened, files) = (open(&[]), files());
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: &files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, &files, CoordinatorOptions::seeded(1));
     let plan = opened.plan(None).expect("a plan");
     let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
     let newest = LastSamples::default();

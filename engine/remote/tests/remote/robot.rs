@@ -52,12 +52,7 @@ fn live(bus: &LocalBus, until: &AtomicBool) {
     let opened = open(&[]);
     let plan = opened.plan(None).expect("a plan");
     let files = files();
-    let mut workshop = Standard {
-        catalogue: &BUILD,
-        loader: &files,
-        coordinators: CoordinatorOptions::seeded(1),
-        builtins: &mut |_, _| None,
-    };
+    let mut workshop = Standard::new(&BUILD, &files, CoordinatorOptions::seeded(1));
     let part = Part::with_brokers(plan);
     let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
     let Assembled {

@@ -1,5 +1,6 @@
-"""Types of Cyclone DDS that are made from schemas, and qualities of service as rmw_cyclonedds has them."""
+"""Types of Cyclone DDS that are made from schemas, values of them, and qualities of service as rmw_cyclonedds has them."""
 
+import struct
 from dataclasses import fields
 
 from cyclonedds.core import Policy, Qos
@@ -40,6 +41,35 @@ def of_schema(schema, type_name=None):
         members = members or {"structure_needs_at_least_one_member": types.uint8}
         made[name] = make_idl_struct(name.split("::")[-1], name, members)
     return made[name]
+
+
+def value_of(schema, chance, kind=None):
+    """A value of a schema; `kind` is the Python type of a whole message."""
+    shape = schema["shape"]
+    if shape == "bool":
+        return chance.random() < 0.5
+    if shape == "text":
+        return "".join(chance.choice("aZ/_ Öß日😀") for _ in range(chance.randrange(9)))
+    if shape in ("f32", "f64"):
+        # each bit pattern but those of NaN, whose payload Python may change
+        size, code = (4, "<f") if shape == "f32" else (8, "<d")
+        (number,) = struct.unpack(code, chance.randbytes(size))
+        return number if number == number else float("inf")
+    if isinstance(shape, str):
+        bits = int(shape[1:])
+        if shape[0] == "i":
+            return chance.randrange(-(1 << bits - 1), 1 << bits - 1)
+        # 64-bit unsigned integers beyond the signed ones are not data
+        return chance.randrange(1 << min(bits, 63))
+    ((form, content),) = shape.items()
+    if form == "list":
+        return [value_of(content, chance) for _ in range(chance.randrange(4))]
+    if form == "array":
+        element, count = content
+        return [value_of(element, chance) for _ in range(count)]
+    kind = kind or of_schema(schema)
+    members = {field["name"]: value_of(field["schema"], chance) for field in content}
+    return kind(**(members or {"structure_needs_at_least_one_member": 0}))
 
 
 def with_header(kind, type_name):

@@ -5,6 +5,7 @@ ends when its standard input is closed.
 """
 
 import json
+import random
 import sys
 import threading
 import time
@@ -15,14 +16,15 @@ from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
-from dds_types import made, of_schema, qos_of, with_header
+from dds_action import ActionClient
+from dds_types import made, of_schema, qos_of, value_of, with_header
 
 
 def say(*words):
     print(*words, flush=True)
 
 
-def wait_for(what, seconds=20):
+def wait_for(what, seconds=60):
     end = time.monotonic() + seconds
     while not what():
         if time.monotonic() > end:
@@ -59,6 +61,16 @@ if role == "bytes":
             print(kind.deserialize(bytes.fromhex(message)).serialize().hex())
     sys.exit()
 
+if role == "generate":
+    # writes messages that it makes up, of the types of standard input, equal in each run
+    chance = random.Random(7)
+    for line in sys.stdin:
+        entry = json.loads(line)
+        kind = of_schema(entry["schema"], entry["type"])
+        for _ in range(entry["count"]):
+            print(value_of(entry["schema"], chance, kind).serialize().hex())
+    sys.exit()
+
 threading.Thread(target=watch_input, daemon=True).start()
 participant = DomainParticipant(settings["domain"])
 
@@ -87,7 +99,7 @@ elif role == "subscribe":
 
 elif role == "obey":
     # a node that does what its input says: each line is a command
-    readers, writers, held, clients = {}, {}, set(), {}
+    readers, writers, held, clients, actors = {}, {}, set(), {}, {}
     gid_kind = make_idl_struct("Gid_", "rmw_dds_common::msg::dds_::Gid_", {"data": types.array[types.uint8, 16]})
     node_kind = make_idl_struct(
         "NodeEntitiesInfo_",
@@ -107,6 +119,10 @@ elif role == "obey":
     latched = qos_of({"transient": True, "depth": 1})
     graph = DataWriter(participant, topic("ros_discovery_info", graph_kind), qos=latched)
     output = threading.Lock()
+
+    def told(*words):
+        with output:
+            say(*words)
 
     def gid(entity):
         return gid_kind(data=list(entity.guid.bytes))
@@ -131,6 +147,21 @@ elif role == "obey":
                             say(name, sample.serialize().hex())
             time.sleep(0.001)
 
+    def stream(name, digits, path, first, rate):
+        """Publishes a message for ever, and counts in one of its fields."""
+        writer, kind = writers[name]
+        message = kind.deserialize(bytes.fromhex(digits))
+        *records, last = path.split(".")
+        record = message
+        for field in records:
+            record = getattr(record, field)
+        begun, sent = time.monotonic(), 0
+        while not closed.is_set():
+            setattr(record, last, first + sent)
+            writer.write(message)
+            sent += 1
+            time.sleep(max(0, begun + sent / rate - time.monotonic()))
+
     threading.Thread(target=read_all, daemon=True).start()
     say("ready")
     for line in sys.stdin:
@@ -143,6 +174,13 @@ elif role == "obey":
         elif verb == "publish":
             writer, kind = writers[name]
             writer.write(kind.deserialize(bytes.fromhex(rest[0])))
+        elif verb == "stream":
+            threading.Thread(target=stream, args=(name, *rest), daemon=True).start()
+        elif verb == "burst":
+            # many messages at once
+            writer, kind = writers[name]
+            for message in [kind.deserialize(bytes.fromhex(digits)) for digits in rest[0]]:
+                writer.write(message)
         elif verb == "client":
             # a client as rmw_cyclonedds has it
             of, reply_of = rest
@@ -170,6 +208,15 @@ elif role == "obey":
             wait_for(answered)
             with output:
                 say("answer", found[0].serialize().hex())
+        elif verb == "actor":
+            # a client of an action
+            actors[name] = ActionClient(participant, name, rest[0], told)
+            wait_for(actors[name].is_ready)
+            time.sleep(0.2)
+        elif verb == "goal":
+            actors[name].send(rest[0])
+        elif verb == "cancel":
+            actors[name].cancel()
         elif verb == "hold":
             held.add(name)
         elif verb == "release":

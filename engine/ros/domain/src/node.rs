@@ -8,7 +8,7 @@ use asmotion_datum::{Codec, Datum, Schema};
 use asmotion_ros_interface::InterfaceName;
 use serde_json::{Value, json};
 
-use crate::action::service_kinds;
+use crate::action::{action_kinds, service_kinds};
 use crate::peer::{LONG, Peer, catalogue, hex};
 
 /// A node of ROS whose DDS is Cyclone: it publishes its name in the graph.
@@ -163,17 +163,70 @@ impl CycloneNode {
         read(&schemas[1], &digits)
     }
 
+    /// Creates a client of an action, and waits until a server matches.
+    pub fn action_client(&mut self, action: &str, of: &str) {
+        let (kinds, _) = action_kinds(of);
+        self.obey(&json!(["actor", action, kinds]));
+        let schemas = catalogue().schemas(&of.parse().unwrap()).unwrap();
+        let parts = ["goal", "result", "feedback"].map(|part| format!("{action}/{part}"));
+        self.kinds.extend(parts.into_iter().zip(schemas));
+    }
+
+    /// Sends a goal to an action of which there is a client. Feedback and result are messages of `ACTION/feedback` and
+    /// `ACTION/result`.
+    pub fn send_goal(&mut self, action: &str, goal: &Value) {
+        let schema = self.schema(&format!("{action}/goal")).clone();
+        let datum = Codec::Json.decode(goal.to_string().as_bytes(), &schema);
+        let complete = schema.complete(datum.unwrap()).unwrap();
+        let bytes = Codec::Cdr.encode(&complete, &schema).unwrap();
+        self.obey(&json!(["goal", action, hex(&bytes)]));
+    }
+
+    /// Cancels the goal of an action.
+    pub fn cancel_goal(&mut self, action: &str) {
+        self.obey(&json!(["cancel", action]));
+    }
+
+    /// The next number of an action: `accepted` (0 or 1), `cancelling` (number of goals) or `status` (of the end).
+    ///
+    /// # Panics
+    /// There is none soon.
+    pub fn goal_number(&mut self, action: &str, of: &str) -> u8 {
+        let name = format!("{action}/{of}");
+        let digits = self.take_digits(&name, LONG);
+        let digits = digits.unwrap_or_else(|| panic!("no {name}"));
+        u8::from_str_radix(&digits, 16).unwrap()
+    }
+
     fn schema(&self, topic: &str) -> &Schema {
         let mut kinds = self.kinds.iter();
         &kinds.find(|(name, _)| name == topic).expect("a topic").1
     }
 
-    /// Publishes a message.
-    pub fn publish(&mut self, topic: &str, message: &Value) {
+    /// The hexadecimal digits of a message in CDR.
+    fn digits(&self, topic: &str, message: &Value) -> String {
         let schema = self.schema(topic);
         let datum = Codec::Json.decode(message.to_string().as_bytes(), schema);
-        let bytes = Codec::Cdr.encode(&datum.unwrap(), schema).unwrap();
-        self.obey(&json!(["publish", topic, hex(&bytes)]));
+        hex(&Codec::Cdr.encode(&datum.unwrap(), schema).unwrap())
+    }
+
+    /// Publishes a message.
+    pub fn publish(&mut self, topic: &str, message: &Value) {
+        let digits = self.digits(topic, message);
+        self.obey(&json!(["publish", topic, digits]));
+    }
+
+    /// Publishes messages one after the other, as fast as possible.
+    pub fn publish_all(&mut self, topic: &str, messages: &[Value]) {
+        let messages = messages.iter().map(|it| self.digits(topic, it));
+        let messages: Vec<_> = messages.collect();
+        self.obey(&json!(["burst", topic, messages]));
+    }
+
+    /// Publishes a message for ever, so many times in a second, and counts from `first` in the field at `path`.
+    pub fn stream(&mut self, topic: &str, message: &Value, (path, first): (&str, u64), rate: u32) {
+        let digits = self.digits(topic, message);
+        self.obey(&json!(["stream", topic, digits, path, first, rate]));
     }
 
     /// The next message of a topic. Messages of other topics are kept.
@@ -187,11 +240,15 @@ impl CycloneNode {
 
     /// The next message of a topic within a time.
     pub fn try_message(&mut self, topic: &str, within: Duration) -> Option<Value> {
+        let digits = self.take_digits(topic, within)?;
+        Some(read(self.schema(topic), &digits))
+    }
+
+    fn take_digits(&mut self, topic: &str, within: Duration) -> Option<String> {
         let end = Instant::now() + within;
         loop {
             if let Some(at) = self.unread.iter().position(|(of, _)| of == topic) {
-                let (_, digits) = self.unread.remove(at)?;
-                return Some(read(self.schema(topic), &digits));
+                return Some(self.unread.remove(at)?.1);
             }
             let left = end.checked_duration_since(Instant::now())?;
             for line in self.peer.lines_for(left.min(Duration::from_millis(20))) {

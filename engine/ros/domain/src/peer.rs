@@ -1,18 +1,18 @@
 //! Processes of `peers/peer.py`.
 
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::atomic::{AtomicU16, Ordering};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_ros_interface::{Catalogue, Distribution};
 
-/// Time within which a peer answers.
-pub const LONG: Duration = Duration::from_secs(20);
+/// Time within which a peer answers, on a busy machine too.
+pub const LONG: Duration = Duration::from_secs(60);
 
 /// Cyclone DDS on the loopback interface, without multicast.
 const CYCLONE: &str = "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces>\
@@ -41,11 +41,28 @@ pub fn peer_script() -> &'static str {
     concat!(env!("CARGO_MANIFEST_DIR"), "/peers/peer.py")
 }
 
-/// A domain for a test. Ports of higher domains are those that systems give to outgoing connections.
+/// Number of domains. Ports of higher ones are those that systems give to outgoing connections.
+const DOMAINS: usize = 95;
+
+/// A domain for a test, which no other test has, also in processes that run at the same time.
+///
+/// # Panics
+/// The folder for temporary files is not one, or tests have taken all domains.
 pub fn domain() -> u16 {
-    static NEXT: AtomicU16 = AtomicU16::new(0);
-    let first = (std::process::id() % 95) as u16;
-    1 + (first + NEXT.fetch_add(1, Ordering::Relaxed)) % 95
+    /// Locks of the domains of this process.
+    static TAKEN: Mutex<Vec<File>> = Mutex::new(Vec::new());
+    let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let first = std::process::id() as usize % DOMAINS;
+    let domains = (0..DOMAINS).map(|offset| 1 + (first + offset) % DOMAINS);
+    for domain in domains {
+        let lock = std::env::temp_dir().join(format!("asmotion-ros-domain-{domain}"));
+        let lock = File::create(lock).unwrap();
+        if lock.try_lock().is_ok() {
+            taken.push(lock);
+            return u16::try_from(domain).unwrap();
+        }
+    }
+    panic!("tests have taken all {DOMAINS} domains");
 }
 
 /// The definitions of ROS 2.
@@ -79,12 +96,31 @@ impl Peer {
         Self::spawn(python, peer_script(), &[role, &settings.to_string()])
     }
 
+    /// Starts a script of `peers/`.
+    ///
+    /// # Panics
+    /// It cannot be started.
+    pub fn start_script(python: &Path, script: &str, arguments: &[&str]) -> Self {
+        let path = format!("{}/peers/{script}.py", env!("CARGO_MANIFEST_DIR"));
+        Self::spawn(python, &path, arguments)
+    }
+
     /// Starts a script.
     pub(crate) fn spawn(python: &Path, script: &str, arguments: &[&str]) -> Self {
+        Self::spawn_with(python, script, arguments, &[("CYCLONEDDS_URI", CYCLONE)])
+    }
+
+    /// Starts a script with these environment variables.
+    pub(crate) fn spawn_with(
+        python: &Path,
+        script: &str,
+        arguments: &[&str],
+        variables: &[(&str, &str)],
+    ) -> Self {
         let mut child = Command::new(python)
             .arg(script)
             .args(arguments)
-            .env("CYCLONEDDS_URI", CYCLONE)
+            .envs(variables.iter().copied())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -111,6 +147,12 @@ impl Peer {
     /// There is none soon.
     pub fn line(&self) -> String {
         self.lines.recv_timeout(LONG).expect("a line of the peer")
+    }
+
+    /// The next lines, at most so many; fewer if no further one comes soon.
+    pub fn lines(&self, count: usize) -> Vec<String> {
+        let next = || self.lines.recv_timeout(LONG).ok();
+        std::iter::from_fn(next).take(count).collect()
     }
 
     /// Expects a line.

@@ -2,28 +2,27 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use asmotion_bridge::{Conversion, Use};
 use asmotion_component::{
-    AwaitedWriters, Component, Cycle, Fault, In, Interface, Losses, NOTICE_REPORT, Out, Setup,
+    AwaitedWriters, Component, Cycle, Fault, Interface, Losses, NOTICE_REPORT, Setup,
 };
-use asmotion_datum::{Datum, Schema};
+use asmotion_datum::Datum;
 
 use crate::calls::CalledOperation;
 use crate::desk::ComponentDesk;
 use crate::echo::Echoes;
+use crate::frames::{self, Transforms};
+use crate::inbound::Inbound;
 use crate::mapped::{JoinedTopics, MappedTopic, RosDirection};
 use crate::misfits::Misfits;
 use crate::offers::OfferedOperation;
-use crate::operation::{MappedOperation, OperationCaller, OperationServer};
+use crate::open_connection::{OpenConnection, sum};
+use crate::operation::MappedOperation;
+use crate::outbound::Outbound;
 use crate::shown::{ComponentDisplay, ShownComponent};
-use crate::traffic::Traffic;
-use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosTransport};
+use crate::transport::{RosConnection, RosTransport};
 use crate::wake::Wake;
-
-/// Longest wait for the last messages to leave, when the bridge ends.
-const LEAVE: Duration = Duration::from_millis(500);
 
 /// Joins topics and operations of a composite with topics, services and actions of ROS.
 ///
@@ -39,41 +38,12 @@ pub struct RosBridge {
     desk: ComponentDesk,
     /// `None` before the component is configured.
     open: Option<OpenConnection>,
+    /// Requests a cycle; `None` before the component is configured.
+    wake: Option<Wake>,
     /// Messages that the bridge itself wrote, by pairs of topics that it maps in both directions.
     echoes: BTreeMap<JoinedTopics, Echoes>,
     misfits: Misfits,
-}
-
-struct Outbound {
-    mapped: MappedTopic,
-    port: In<Datum>,
-    ros_schema: Schema,
-    /// Of the next message.
-    sequence: u32,
-    traffic: Traffic,
-    /// Messages that did not fit.
-    misfits: u64,
-}
-
-struct Inbound {
-    mapped: MappedTopic,
-    port: Out<Datum>,
-    conversion: Conversion,
-    traffic: Traffic,
-    /// Messages that did not fit.
-    misfits: u64,
-}
-
-/// A connection, with a sender or receiver for each mapping, in their order.
-struct OpenConnection {
-    // before the connection, which ends when it is dropped
-    senders: Vec<Box<dyn MessageSender>>,
-    receivers: Vec<Box<dyn MessageReceiver>>,
-    callers: Vec<Box<dyn OperationCaller>>,
-    servers: Vec<Box<dyn OperationServer>>,
-    /// `None` if no component is shown.
-    display: Option<Box<dyn ComponentDisplay>>,
-    connection: Box<dyn RosConnection>,
+    transforms: Transforms,
 }
 
 impl RosBridge {
@@ -99,38 +69,12 @@ impl RosBridge {
         let (mut to_ros, mut from_ros) = (Vec::new(), Vec::new());
         for mapped in mapped {
             let ros_schema = transport.schema(&mapped.kind)?;
-            let (name, schema) = (&mapped.port, mapped.schema.clone());
             match mapped.direction {
                 RosDirection::ToRos => {
-                    let doc = format!("to the ROS topic `{}`", mapped.ros);
-                    let port = interface.input_of(name, schema, &doc);
-                    to_ros.push(Outbound {
-                        port,
-                        mapped,
-                        ros_schema,
-                        sequence: 0,
-                        traffic: Traffic::default(),
-                        misfits: 0,
-                    });
+                    to_ros.push(Outbound::declare(mapped, ros_schema, interface)?);
                 }
                 RosDirection::FromRos => {
-                    let converters = mapped.converters.iter();
-                    let converted = converters.fold(schema.clone(), |schema, converter| {
-                        converter.converted(schema, &ros_schema)
-                    });
-                    let conversion = Conversion::between(&ros_schema, &converted, Use::Fill);
-                    let conversion = conversion.ok_or_else(|| {
-                        format!("`{}` of ROS does not become `{schema}`", mapped.kind)
-                    })?;
-                    let doc = format!("from the ROS topic `{}`", mapped.ros);
-                    let port = interface.output_of(name, schema, &doc);
-                    from_ros.push(Inbound {
-                        mapped,
-                        port,
-                        conversion,
-                        traffic: Traffic::default(),
-                        misfits: 0,
-                    });
+                    from_ros.push(Inbound::declare(mapped, &ros_schema, interface)?);
                 }
             }
         }
@@ -143,8 +87,10 @@ impl RosBridge {
             shown: Vec::new(),
             desk: ComponentDesk::default(),
             open: None,
+            wake: None,
             echoes,
             misfits: Misfits::default(),
+            transforms: Transforms::default(),
         })
     }
 
@@ -195,6 +141,87 @@ impl RosBridge {
         display.map(Some).map_err(Fault::new)
     }
 
+    /// Opens a connection with all topics and operations.
+    fn open_connection(&self, wake: Wake) -> Result<OpenConnection, Fault> {
+        let mut connection = self.transport.join(Arc::clone(&wake)).map_err(Fault::new)?;
+        let (mut senders, mut receivers) = (Vec::new(), Vec::new());
+        for outbound in &self.to_ros {
+            senders.push(connection.publish(&outbound.mapped).map_err(Fault::new)?);
+        }
+        for inbound in &self.from_ros {
+            receivers.push(connection.subscribe(&inbound.mapped).map_err(Fault::new)?);
+        }
+        let (mut callers, mut servers) = (Vec::new(), Vec::new());
+        for called in &self.calls {
+            callers.push(connection.call(&called.mapped).map_err(Fault::new)?);
+        }
+        for offered in &self.offers {
+            servers.push(connection.offer(&offered.mapped).map_err(Fault::new)?);
+        }
+        let transformed = self.to_ros.iter().map(|it| &it.mapped);
+        let mut transformed = transformed.chain(self.from_ros.iter().map(|it| &it.mapped));
+        let transforms = if transformed.any(|it| it.transform.is_some()) {
+            frames::subscribe(&mut *connection).map_err(Fault::new)?
+        } else {
+            Vec::new()
+        };
+        let display = self.open_display(&mut *connection, wake)?;
+        Ok(OpenConnection {
+            senders,
+            receivers,
+            callers,
+            servers,
+            transforms,
+            display,
+            connection,
+        })
+    }
+
+    /// Replaces a connection that receives nothing any more. Calls end, and subscribers get the last messages of latched topics again.
+    fn join_again(
+        &mut self,
+        mut broken: OpenConnection,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<OpenConnection, Fault> {
+        let Some(wake) = self.wake.clone() else {
+            return Ok(broken);
+        };
+        for (outbound, sender) in self.to_ros.iter_mut().zip(&broken.senders) {
+            outbound.keep_losses(sender.losses());
+        }
+        for (inbound, receiver) in self.from_ros.iter_mut().zip(&broken.receivers) {
+            inbound.keep_losses(receiver.losses());
+        }
+        for called in &mut self.calls {
+            called.lose_all(&mut self.misfits, cycle);
+        }
+        for offered in &mut self.offers {
+            offered.lose_all(cycle);
+        }
+        // nothing that it has not sent would leave any more
+        broken.senders.clear();
+        drop(broken);
+        let mut open = self.open_connection(wake)?;
+        for (outbound, sender) in self.to_ros.iter().zip(&mut open.senders) {
+            for message in &outbound.last {
+                // it was sent before, so it can be encoded
+                let _ = sender.send(message);
+            }
+        }
+        Ok(open)
+    }
+
+    /// Losses of all mappings so far.
+    fn losses(&self, open: &OpenConnection) -> Losses {
+        let own = Losses {
+            dropped: 0,
+            misfits: self.misfits.total(),
+        };
+        let to_ros = self.to_ros.iter().map(Outbound::losses);
+        let from_ros = self.from_ros.iter().map(Inbound::losses);
+        to_ros.chain(from_ros).fold(sum(own, open.losses()), sum)
+    }
+
     /// Takes requests to ROS and from ROS, and their answers.
     fn serve_operations(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
         for (called, caller) in self.calls.iter_mut().zip(&mut open.callers) {
@@ -213,48 +240,28 @@ impl RosBridge {
         }
     }
 
-    /// Sends the samples of the inputs to ROS.
-    fn send_samples(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
+    /// Takes the transforms of ROS, sends the samples of the inputs to ROS, and writes the messages of ROS to the outputs.
+    fn pass_messages(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
+        let (transforms, misfits) = (&mut self.transforms, &mut self.misfits);
+        // before the messages that need them
+        transforms.update(&mut open.transforms, misfits, cycle);
+        let (buffer, echoes) = (&transforms.buffer, &mut self.echoes);
+        // first what arrived from the composite: it cannot contain a message that is written below
         for (outbound, sender) in self.to_ros.iter_mut().zip(&mut open.senders) {
             let topics = outbound.mapped.joined_topics();
-            let mut echoes = topics.and_then(|topics| self.echoes.get_mut(&topics));
-            for sample in cycle.all(outbound.port).to_vec() {
-                if echoes.as_mut().is_some_and(|it| it.is_echo(&sample)) {
-                    continue;
-                }
-                let sent = outbound.message(sample).and_then(|it| sender.send(&it));
-                match sent {
-                    Ok(()) => outbound.traffic.pass(1, Instant::now()),
-                    Err(reason) => {
-                        outbound.misfits += 1;
-                        let at = (&outbound.mapped.port, &outbound.mapped.ros);
-                        self.misfits.count(at, &reason, cycle);
-                    }
-                }
-            }
+            let known = topics.and_then(|it| echoes.get_mut(&it));
+            outbound.send(&mut **sender, known, buffer, misfits, cycle);
         }
-    }
-
-    /// Writes the messages of ROS to the outputs.
-    fn write_messages(&mut self, open: &mut OpenConnection, cycle: &mut Cycle<'_>) {
         for (inbound, receiver) in self.from_ros.iter_mut().zip(&mut open.receivers) {
-            for message in receiver.take() {
-                match inbound.sample(&message.content) {
-                    Ok(sample) => {
-                        let topics = inbound.mapped.joined_topics();
-                        if let Some(echoes) = topics.and_then(|it| self.echoes.get_mut(&it)) {
-                            echoes.written(&sample);
-                        }
-                        cycle.write_aged(inbound.port, sample, message.age);
-                        inbound.traffic.pass(1, Instant::now());
-                    }
-                    Err(reason) => {
-                        inbound.misfits += 1;
-                        let at = (&inbound.mapped.port, &inbound.mapped.ros);
-                        self.misfits.count(at, &reason, cycle);
-                    }
-                }
-            }
+            let topics = inbound.mapped.joined_topics();
+            let known = topics.and_then(|it| echoes.get_mut(&it));
+            inbound.write(&mut **receiver, known, buffer, misfits, cycle);
+        }
+        let now = Instant::now();
+        let to_ros = self.to_ros.iter().filter_map(|it| it.patience(now));
+        let from_ros = self.from_ros.iter().filter_map(|it| it.patience(now));
+        if let Some(patience) = to_ros.chain(from_ros).min() {
+            cycle.request_cycle_at(cycle.now() + patience);
         }
     }
 }
@@ -267,30 +274,8 @@ impl Component for RosBridge {
                 "a ros-bridge needs the wall clock: run without `--speed`, or in a profile without it",
             ));
         };
-        let mut connection = self.transport.join(Arc::clone(&wake)).map_err(Fault::new)?;
-        let (mut senders, mut receivers) = (Vec::new(), Vec::new());
-        for outbound in &self.to_ros {
-            senders.push(connection.publish(&outbound.mapped).map_err(Fault::new)?);
-        }
-        for inbound in &self.from_ros {
-            receivers.push(connection.subscribe(&inbound.mapped).map_err(Fault::new)?);
-        }
-        let (mut callers, mut servers) = (Vec::new(), Vec::new());
-        for called in &self.calls {
-            callers.push(connection.call(&called.mapped).map_err(Fault::new)?);
-        }
-        for offered in &self.offers {
-            servers.push(connection.offer(&offered.mapped).map_err(Fault::new)?);
-        }
-        let display = self.open_display(&mut *connection, wake)?;
-        self.open = Some(OpenConnection {
-            senders,
-            receivers,
-            callers,
-            servers,
-            display,
-            connection,
-        });
+        self.open = Some(self.open_connection(Arc::clone(&wake))?);
+        self.wake = Some(wake);
         Ok(())
     }
 
@@ -301,11 +286,12 @@ impl Component for RosBridge {
         for notice in open.connection.notices() {
             cycle.report(NOTICE_REPORT, Datum::text(notice));
         }
-        // first what arrived from the composite: it cannot contain a message that is written below
-        self.send_samples(&mut open, cycle);
-        self.write_messages(&mut open, cycle);
+        if open.connection.is_broken() {
+            open = self.join_again(open, cycle)?;
+        }
+        self.pass_messages(&mut open, cycle);
         self.serve_operations(&mut open, cycle);
-        cycle.set_losses(open.losses(self.misfits.total()));
+        cycle.set_losses(self.losses(&open));
         self.open = Some(open);
         Ok(())
     }
@@ -320,21 +306,17 @@ impl Component for RosBridge {
         };
         let to_ros = self.to_ros.iter().zip(&open.senders).map(|(of, sender)| {
             let name = format!("{} → {}", of.mapped.port, of.mapped.ros);
-            (
-                name,
-                of.traffic.describe(with(sender.losses(), of.misfits), now),
-            )
+            let losses = with(sum(of.losses(), sender.losses()), of.misfits());
+            (name, of.traffic.describe(losses, now))
         });
         let from_ros = self.from_ros.iter().zip(&open.receivers);
         let from_ros = from_ros.map(|(of, receiver)| {
             let name = format!("{} ← {}", of.mapped.port, of.mapped.ros);
-            (
-                name,
-                of.traffic
-                    .describe(with(receiver.losses(), of.misfits), now),
-            )
+            let losses = with(sum(of.losses(), receiver.losses()), of.misfits());
+            (name, of.traffic.describe(losses, now))
         });
-        to_ros.chain(from_ros).collect()
+        let transforms = self.transforms.describe(&open.transforms, now);
+        to_ros.chain(from_ros).chain(transforms).collect()
     }
 
     fn stop(&mut self, _: &mut Cycle<'_>) {
@@ -359,75 +341,8 @@ impl Component for RosBridge {
     }
 }
 
-/// Messages that have been sent leave before the node does.
-impl Drop for OpenConnection {
-    fn drop(&mut self) {
-        let until = Instant::now() + LEAVE;
-        for sender in &mut self.senders {
-            sender.finish(until);
-        }
-    }
-}
-
 /// Losses with further misfits.
 fn with(losses: Losses, misfits: u64) -> Losses {
-    Losses {
-        misfits: losses.misfits + misfits,
-        ..losses
-    }
-}
-
-impl OpenConnection {
-    /// The losses of all mappings, with those of the bridge itself.
-    fn losses(&self, misfits: u64) -> Losses {
-        let senders = self.senders.iter().map(|it| it.losses());
-        let receivers = self.receivers.iter().map(|it| it.losses());
-        let none = Losses {
-            dropped: 0,
-            misfits,
-        };
-        senders.chain(receivers).fold(none, |sum, of| Losses {
-            dropped: sum.dropped + of.dropped,
-            misfits: sum.misfits + of.misfits,
-        })
-    }
-}
-
-impl Outbound {
-    /// The message of ROS for a sample: with the fields that only ROS has, and a sequence number in the header, as the clients of
-    /// ROS 1 put it there.
-    fn message(&mut self, sample: Datum) -> Result<Datum, String> {
-        let mut converters = self.mapped.converters.iter();
-        let converted = converters.try_fold(sample, |sample, it| it.to_there(sample))?;
-        let complete = self.ros_schema.complete(converted);
-        let mut message = complete.map_err(|error| error.to_string())?;
-        if let Some(sequence) =
-            field_mut(&mut message, "header").and_then(|it| field_mut(it, "seq"))
-        {
-            *sequence = Datum::Int(self.sequence.into());
-            self.sequence = self.sequence.wrapping_add(1);
-        }
-        Ok(message)
-    }
-}
-
-impl Inbound {
-    /// The sample for a message of ROS.
-    fn sample(&self, message: &Datum) -> Result<Datum, String> {
-        let converted = self.conversion.apply(message);
-        let mut converters = self.mapped.converters.iter();
-        let sample = converters.try_fold(converted, |sample, it| it.to_here(sample))?;
-        let complete = self.mapped.schema.complete(sample);
-        complete.map_err(|error| error.to_string())
-    }
-}
-
-fn field_mut<'d>(record: &'d mut Datum, name: &str) -> Option<&'d mut Datum> {
-    let Datum::Record(fields) = record else {
-        return None;
-    };
-    let mut fields = fields.iter_mut();
-    fields
-        .find(|(field, _)| **field == *name)
-        .map(|(_, value)| value)
+    let dropped = 0;
+    sum(losses, Losses { dropped, misfits })
 }

@@ -11,7 +11,7 @@ use asmotion_datum::{Datum, DatumError, Schema, Shape};
 
 use crate::misfits::Misfits;
 use crate::operation::{
-    BAD_ARGUMENT, BAD_REPLY, CallProgress, MappedFeedback, MappedOperation, OperationCaller,
+    BAD_ARGUMENT, BAD_REPLY, CallProgress, LOST, MappedFeedback, MappedOperation, OperationCaller,
     OperationSchemas,
 };
 
@@ -165,6 +165,14 @@ impl CalledOperation {
     pub(crate) fn cancel_all(&self, caller: &mut dyn OperationCaller) {
         for request in self.open.keys() {
             caller.cancel(request.0);
+        }
+    }
+
+    /// Ends all calls with a fault, because the connection is gone.
+    pub(crate) fn lose_all(&mut self, misfits: &mut Misfits, cycle: &mut Cycle<'_>) {
+        for (request, deadline) in std::mem::take(&mut self.open) {
+            let fault = ServiceFault::new(LOST, "the bridge has joined ROS again");
+            self.fail(request, deadline, fault, misfits, cycle);
         }
     }
 

@@ -8,12 +8,16 @@ mod bridge;
 mod calls;
 mod desk;
 mod echo;
+mod frames;
+mod inbound;
 mod mapped;
 mod misfits;
 mod notices;
 mod offers;
+mod open_connection;
 pub mod operation;
 mod operation_type;
+mod outbound;
 mod ros1;
 mod ros1_operations;
 mod ros1_parameters;
@@ -28,6 +32,8 @@ mod ros2_life_cycle;
 #[cfg(feature = "ros2")]
 mod ros2_managed;
 #[cfg(feature = "ros2")]
+mod ros2_memory;
+#[cfg(feature = "ros2")]
 mod ros2_operations;
 #[cfg(feature = "ros2")]
 mod ros2_parameter;
@@ -41,7 +47,7 @@ pub use bridge::RosBridge;
 pub use desk::{
     ComponentDesk, ComponentWatch, DeskChange, DeskComponent, DeskOrder, PendingOrder, StateChange,
 };
-pub use mapped::{MappedTopic, RosDirection};
+pub use mapped::{MappedFrame, MappedTopic, RosDirection};
 pub use operation::{MappedFeedback, MappedOperation, OperationSchemas};
 pub use operation_type::{CALL, CANCEL, OperationKind, OperationType};
 pub use ros1::{Ros1Settings, Ros1Transport};

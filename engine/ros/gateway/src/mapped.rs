@@ -30,8 +30,19 @@ pub struct MappedTopic {
     pub lifespan: Option<Duration>,
     /// Converters of fields, in their order.
     pub converters: Vec<FieldConverter>,
+    /// Frame into which messages are transformed, if they are.
+    pub transform: Option<MappedFrame>,
     /// Direction of the messages.
     pub direction: RosDirection,
+}
+
+/// A frame into which messages are transformed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MappedFrame {
+    /// Name of the frame.
+    pub frame: String,
+    /// Longest wait of a message for its transforms.
+    pub timeout: Duration,
 }
 
 /// A topic of the composite and a topic of ROS.

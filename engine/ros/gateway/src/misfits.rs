@@ -23,16 +23,35 @@ impl Misfits {
     }
 
     /// Counts a message, and reports it if the cause is new for the port.
-    pub(crate) fn count(
+    pub(crate) fn count(&mut self, at: (&String, &String), reason: &str, cycle: &mut Cycle<'_>) {
+        self.count_with_details(at, (reason, ""), cycle);
+    }
+
+    /// As [`count`](Self::count), with details of the message, which are not part of the cause.
+    pub(crate) fn count_with_details(
         &mut self,
         (port, ros): (&String, &String),
-        reason: &str,
+        (reason, details): (&str, &str),
         cycle: &mut Cycle<'_>,
     ) {
+        let details = match details {
+            "" => String::new(),
+            details => format!(" ({details})"),
+        };
+        let text = format!("a message between `{port}` and `{ros}` was dropped: {reason}{details}");
+        self.count_cause((port, reason), text, cycle);
+    }
+
+    /// Counts a transform that was refused, and reports it if the cause is new for the topic.
+    pub(crate) fn count_transform(&mut self, ros: &str, reason: &str, cycle: &mut Cycle<'_>) {
+        let text = format!("`{ros}`: a transform was ignored: {reason}");
+        self.count_cause((ros, reason), text, cycle);
+    }
+
+    fn count_cause(&mut self, (at, reason): (&str, &str), text: String, cycle: &mut Cycle<'_>) {
         self.count += 1;
-        let cause = (port.clone(), reason.to_owned());
+        let cause = (at.to_owned(), reason.to_owned());
         if self.reported.len() < REPORTED && self.reported.insert(cause) {
-            let text = format!("a message between `{port}` and `{ros}` was dropped: {reason}");
             cycle.report(NOTICE_REPORT, Datum::text(text));
         }
     }

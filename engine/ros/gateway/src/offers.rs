@@ -126,6 +126,13 @@ impl OfferedOperation {
         }
     }
 
+    /// Cancels all calls, because the connection is gone over which their results would go.
+    pub(crate) fn lose_all(&mut self, cycle: &mut Cycle<'_>) {
+        for number in std::mem::take(&mut self.calls).into_keys() {
+            cycle.cancel(number);
+        }
+    }
+
     fn tell(&self, server: &mut dyn OperationServer, misfits: &mut Misfits, cycle: &mut Cycle<'_>) {
         let Some(of) = &self.feedback else {
             return;

@@ -1,16 +1,14 @@
 //! Nodes of ROS 2.
 
-use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use asmotion_bus::TransitTimes;
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
 use asmotion_ros_interface::{Catalogue, InterfaceName};
 use asmotion_ros2::{
-    Durability, EndpointKind, Gid, Graph, Node, NodeOptions, Notice, Publisher, Qos, Received,
+    Durability, EndpointKind, Graph, Node, NodeOptions, Notice, Publisher, Qos, Received,
     Reliability, Subscription, SubscriptionOptions,
 };
 
@@ -20,6 +18,7 @@ use crate::notices::Notices;
 use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
 use crate::operation_type::{OperationKind, OperationType};
 use crate::ros2_components::Ros2Components;
+use crate::ros2_memory::{Memories, TopicMemory};
 use crate::ros2_operations::{
     Ros2GoalCaller, Ros2GoalServer, Ros2ServiceCaller, Ros2ServiceServer,
 };
@@ -42,6 +41,7 @@ pub struct Ros2Settings {
 pub struct Ros2Transport {
     settings: Ros2Settings,
     catalogue: Arc<Catalogue>,
+    memories: Memories,
 }
 
 impl Ros2Transport {
@@ -50,6 +50,7 @@ impl Ros2Transport {
         Self {
             settings,
             catalogue,
+            memories: Memories::default(),
         }
     }
 }
@@ -96,6 +97,8 @@ impl RosTransport for Ros2Transport {
             catalogue: Arc::clone(&self.catalogue),
             wake,
             notices,
+            is_broken: false,
+            memories: self.memories.clone(),
         }))
     }
 }
@@ -105,6 +108,9 @@ struct Ros2Connection {
     catalogue: Arc<Catalogue>,
     wake: Wake,
     notices: Notices,
+    /// Set when the threads of DDS have ended.
+    is_broken: bool,
+    memories: Memories,
 }
 
 fn qos(topic: &MappedTopic) -> Qos {
@@ -142,7 +148,13 @@ impl RosConnection for Ros2Connection {
         };
         let subscription = self.node.subscription(&topic.ros, &of, options);
         let subscription = subscription.map_err(|error| error.to_string())?;
-        Ok(Box::new(Ros2Receiver::new(subscription)))
+        Ok(Box::new(Ros2Receiver {
+            subscription,
+            topic: topic.ros.clone(),
+            is_latched: topic.is_latched,
+            memory: self.memories.take(&topic.ros),
+            memories: self.memories.clone(),
+        }))
     }
 
     fn call(&mut self, of: &MappedOperation) -> Result<Box<dyn OperationCaller>, String> {
@@ -185,6 +197,7 @@ impl RosConnection for Ros2Connection {
         if !new.is_empty() {
             let graph = self.node.graph();
             for notice in new {
+                self.is_broken |= notice == Notice::Interrupted;
                 // a peer that comes back is judged again, and each gap is an event of its own
                 if matches!(notice, Notice::Lost { .. } | Notice::Deadline { .. }) {
                     self.notices.forget();
@@ -195,6 +208,10 @@ impl RosConnection for Ros2Connection {
             }
         }
         self.notices.take()
+    }
+
+    fn is_broken(&self) -> bool {
+        self.is_broken
     }
 }
 
@@ -250,8 +267,8 @@ fn text(notice: &Notice, graph: &Graph) -> Option<String> {
             };
             format!("`{name}`: {both}: no messages pass between them (key `qos`)")
         }
-        Notice::Interrupted => "the process was stopped for a while, and this node of ROS 2 may receive nothing any more: configure \
-             the component again"
+        Notice::Interrupted => "the process was stopped for a while, and its node of ROS 2 with it: the bridge joins again. Messages \
+             in between are lost, and calls end"
             .to_owned(),
         Notice::Deadline { topic, deadline } => format!(
             "`{}`: no message within the deadline of {} ms",
@@ -299,54 +316,16 @@ impl MessageSender for Ros2Sender {
 
 struct Ros2Receiver {
     subscription: Subscription,
-    transits: WriterTransits,
+    topic: String,
+    is_latched: bool,
+    memory: TopicMemory,
+    memories: Memories,
 }
 
-/// The times of transit of each writer, whose clock is compared with itself only.
-struct WriterTransits {
-    origin: Instant,
-    writers: BTreeMap<Gid, TransitTimes>,
-}
-
-/// Most writers whose times of transit are followed. Beyond it, all are forgotten, and the next message of each counts as new.
-const MOST_WRITERS: usize = 1024;
-
-impl Ros2Receiver {
-    fn new(subscription: Subscription) -> Self {
-        Self {
-            subscription,
-            transits: WriterTransits::beginning_at(Instant::now()),
-        }
-    }
-}
-
-impl WriterTransits {
-    fn beginning_at(origin: Instant) -> Self {
-        Self {
-            origin,
-            writers: BTreeMap::new(),
-        }
-    }
-
-    /// Time for which a message of this writer waited on its way, and since it arrived. `written` is the time of its writing, in
-    /// nanoseconds of the writer's clock.
-    fn age(
-        &mut self,
-        writer: Gid,
-        written: Option<u64>,
-        arrived: Instant,
-        now: Instant,
-    ) -> Duration {
-        let waiting = now.saturating_duration_since(arrived);
-        let Some(written) = written else {
-            return waiting;
-        };
-        if self.writers.len() >= MOST_WRITERS && !self.writers.contains_key(&writer) {
-            self.writers.clear();
-        }
-        let transit = self.writers.entry(writer).or_default();
-        // what arrived before this receiver was made counts as arriving then
-        transit.waited(written, self.origin, arrived.max(self.origin)) + waiting
+impl Drop for Ros2Receiver {
+    fn drop(&mut self) {
+        let memory = std::mem::take(&mut self.memory);
+        self.memories.keep(&self.topic, memory);
     }
 }
 
@@ -356,11 +335,16 @@ impl MessageReceiver for Ros2Receiver {
         while let Some(received) = self.subscription.take() {
             let Received {
                 writer,
+                sequence,
                 written,
                 arrived,
                 ..
             } = received;
-            let age = self.transits.age(writer, written, arrived, Instant::now());
+            // late subscriptions get the last messages of a latched topic by its nature
+            if !self.memory.is_new(writer, sequence) && !self.is_latched {
+                continue;
+            }
+            let age = self.memory.age(writer, written, arrived, Instant::now());
             let content = received.message;
             messages.push(RosMessage { content, age });
         }
@@ -374,37 +358,5 @@ impl MessageReceiver for Ros2Receiver {
             dropped: counts.dropped + counts.lost,
             misfits: counts.malformed,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_message_is_as_old_as_its_writer_shows_and_as_it_waited_here() {
-        let origin = Instant::now();
-        let at = |ms: u64| origin + Duration::from_millis(ms);
-        let mut transits = WriterTransits::beginning_at(origin);
-        let [near, far] = [Gid([1; 16]), Gid([2; 16])];
-        // a clock that is an hour ahead, and one that is behind
-        let mut check = |writer, written: Option<u64>, arrived, now, expected: u64| {
-            let ahead = if writer == near { 3_600_000 } else { 1 };
-            let written = written.map(|ms| (ms + ahead) * 1_000_000);
-            let age = transits.age(writer, written, at(arrived), at(now));
-            let expected = Duration::from_millis(expected);
-            // less the drift that the two clocks may have had
-            let least = expected.saturating_sub(Duration::from_millis(2));
-            assert!((least..=expected).contains(&age), "{age:?} {expected:?}");
-        };
-        check(near, Some(0), 2, 2, 0);
-        check(far, Some(0), 40, 40, 0);
-        // written while the receiver stood still
-        check(near, Some(1000), 4002, 4002, 3000);
-        // and taken late from the queue
-        check(near, Some(4000), 4002, 4102, 100);
-        check(far, Some(4000), 4050, 4050, 10);
-        // a writer that states no time
-        check(far, None, 5000, 5200, 200);
     }
 }

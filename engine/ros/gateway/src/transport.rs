@@ -82,6 +82,12 @@ pub trait RosConnection: Send {
 
     /// Takes the events in the life of the node, for the person who runs the system.
     fn notices(&mut self) -> Vec<String>;
+
+    /// Returns whether the node may receive nothing any more, so that the bridge has to join again. It is known after
+    /// [`notices`](Self::notices).
+    fn is_broken(&self) -> bool {
+        false
+    }
 }
 
 /// Sends the messages of a topic.

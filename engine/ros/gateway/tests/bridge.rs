@@ -130,6 +130,7 @@ fn mapped(port: &str, direction: RosDirection) -> MappedTopic {
         deadline: None,
         lifespan: None,
         converters: Vec::new(),
+        transform: None,
         direction,
     }
 }

@@ -5,6 +5,8 @@ Argument: name of the node. Commands, each a list:
     ["subscribe", topic, type]                       prints ["message", topic, message, name of the publisher]
     ["connections", topic, number]                   waits until a topic of this node has so many connections
     ["flood", topic, type, message, number, rate]    publishes a message so many times; a field `data` counts
+    ["stream", topic, type, message, field, first, rate]
+                                                     publishes a message for ever, and counts in a field such as `linear.x`
     ["provide", service, type, behaviour]            prints ["request", service, request]; behaviour: a response `reply`, an
                                                      `error`, a `delay` in seconds, or `die`; again to change it
     ["call", service, type, request]                 prints ["response", service, response] or ["error", service, text]
@@ -23,13 +25,14 @@ import json
 import os
 import sys
 import threading
+import time
 
 import genpy
 import roslib.message
 import rospy
 
 print_lock = threading.Lock()
-publishers, subscribers, providers, servers, clients, behaviours = {}, {}, {}, {}, {}, {}
+publishers, subscribers, providers, servers, clients, goals, behaviours = {}, {}, {}, {}, {}, {}, {}
 
 
 def say(what):
@@ -162,17 +165,20 @@ def send(action, type_name, goal):
 
     action_class, goal_class, _, _ = messages_of_action(type_name)
     if action not in clients:
-        clients[action] = actionlib.SimpleActionClient(action, action_class)
+        # SimpleActionClient misses the transitions of a goal that begins before it has its handle
+        clients[action] = actionlib.ActionClient(action, action_class)
     client = clients[action]
 
-    def done(status, result):
-        say(["end", action, GoalStatus.to_string(status), client.get_goal_status_text(), plain(result)])
+    def changed(handle):
+        if handle.get_comm_state() == actionlib.CommState.DONE:
+            status = GoalStatus.to_string(handle.get_terminal_state())
+            say(["end", action, status, handle.get_goal_status_text(), plain(handle.get_result())])
 
     def run():
-        if not client.wait_for_server(rospy.Duration(20)):
+        if not client.wait_for_server(rospy.Duration(60)):
             return say(["error", action, "no server"])
-        told = lambda feedback: say(["feedback", action, plain(feedback)])
-        client.send_goal(fill(goal_class(), goal), done_cb=done, feedback_cb=told)
+        told = lambda _, feedback: say(["feedback", action, plain(feedback)])
+        goals[action] = client.send_goal(fill(goal_class(), goal), changed, told)
         say(["sent", action])
 
     threading.Thread(target=run, daemon=True).start()
@@ -187,6 +193,25 @@ def flood(topic, type_name, value, number, rate):
             message.data = type(message.data)(count)
         of.publish(message)
         pace.sleep()
+
+
+def stream(topic, type_name, value, path, first, rate):
+    of = publisher(topic, type_name)
+    message = filled(of, value)
+    *records, last = path.split(".")
+    record = message
+    for field in records:
+        record = getattr(record, field)
+
+    def run():
+        begun, sent = time.monotonic(), 0
+        while not rospy.is_shutdown():
+            setattr(record, last, first + sent)
+            of.publish(message)
+            sent += 1
+            time.sleep(max(0, begun + sent / rate - time.monotonic()))
+
+    threading.Thread(target=run, daemon=True).start()
 
 
 def await_connections(topic, number):
@@ -206,12 +231,13 @@ commands = {
     "subscribe": subscribe,
     "connections": await_connections,
     "flood": flood,
+    "stream": stream,
     "provide": provide,
     "call": call,
     "act": act,
     "reject": reject_goals,
     "send": send,
-    "cancel": lambda action: clients[action].cancel_goal(),
+    "cancel": lambda action: goals[action].cancel(),
     "set": rospy.set_param,
     "get": lambda name: say(["value", name, rospy.get_param(name, None)]),
 }

@@ -1,12 +1,17 @@
 //! A topic that the node publishes: its subscribers, each with a bounded queue and a task of its own, so that one that does not
 //! read delays no other.
+//!
+//! The thread that publishes writes a message to the socket itself, as far as the socket takes it without waiting: to wake the task
+//! would cost more than to write. What remains waits in the queue for the task.
 
 use std::collections::VecDeque;
+use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::sync::Notify;
 use tokio::time::timeout;
 
@@ -73,40 +78,103 @@ struct Peers {
 /// A subscriber.
 struct Peer {
     node: Arc<str>,
-    queue: Mutex<VecDeque<Arc<[u8]>>>,
-    /// A message that was in the queue is being written. Set under the lock of the queue.
-    is_writing: AtomicBool,
+    stream: OwnedWriteHalf,
+    outgoing: Mutex<Outgoing>,
+    /// Notified when a message waits for the task.
     filled: Notify,
     is_closed: AtomicBool,
     sent: AtomicU64,
     dropped: AtomicU64,
 }
 
+/// Messages on their way to a subscriber. Its lock is held during a write, which does not wait, so that messages keep their order.
+#[derive(Default)]
+struct Outgoing {
+    /// A message of which the socket has not taken all, and the number of bytes that it has taken.
+    begun: Option<(Arc<[u8]>, usize)>,
+    queue: VecDeque<Arc<[u8]>>,
+}
+
+impl Outgoing {
+    fn is_empty(&self) -> bool {
+        self.begun.is_none() && self.queue.is_empty()
+    }
+}
+
 impl Peer {
-    /// Appends a message, and drops the oldest one if there are too many.
-    fn push(&self, message: Arc<[u8]>, size: usize) {
-        let mut queue = lock(&self.queue);
-        while queue.len() >= size {
-            queue.pop_front();
-            self.dropped.fetch_add(1, Ordering::Relaxed);
+    fn new(node: Arc<str>, stream: OwnedWriteHalf) -> Self {
+        Self {
+            node,
+            stream,
+            outgoing: Mutex::default(),
+            filled: Notify::new(),
+            is_closed: AtomicBool::new(false),
+            sent: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
         }
-        queue.push_back(message);
-        drop(queue);
+    }
+
+    /// Writes a message if no other waits and the socket takes it; else appends it, and drops the oldest one if there are too many.
+    fn push(&self, message: Arc<[u8]>, size: usize) {
+        let mut outgoing = lock(&self.outgoing);
+        if outgoing.is_empty() {
+            outgoing.begun = Some((message, 0));
+            // the task meets an error again, and ends the connection
+            let _ = self.write(&mut outgoing);
+            if outgoing.is_empty() {
+                return;
+            }
+        } else {
+            while outgoing.queue.len() >= size {
+                outgoing.queue.pop_front();
+                self.dropped.fetch_add(1, Ordering::Relaxed);
+            }
+            outgoing.queue.push_back(message);
+        }
+        drop(outgoing);
         self.filled.notify_one();
     }
 
-    /// Removes the oldest message, which is being written from then on.
-    fn begin_write(&self) -> Option<Arc<[u8]>> {
-        let mut queue = lock(&self.queue);
-        let next = queue.pop_front();
-        self.is_writing.store(next.is_some(), Ordering::Release);
-        next
+    /// Writes messages until the socket takes no more. Returns the number of bytes.
+    fn write(&self, outgoing: &mut Outgoing) -> io::Result<usize> {
+        let mut total = 0;
+        loop {
+            if outgoing.begun.is_none() {
+                outgoing.begun = outgoing.queue.pop_front().map(|message| (message, 0));
+            }
+            let Some((message, written)) = &mut outgoing.begun else {
+                return Ok(total);
+            };
+            let rest = message.get(*written..).unwrap_or_default();
+            match self.stream.try_write(rest) {
+                Ok(count) => {
+                    total += count;
+                    *written += count;
+                    if *written >= message.len() {
+                        outgoing.begun = None;
+                        self.sent.fetch_add(1, Ordering::Relaxed);
+                    }
+                }
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(total),
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     /// Whether all messages have been written.
     fn is_idle(&self) -> bool {
-        let queue = lock(&self.queue);
-        queue.is_empty() && !self.is_writing.load(Ordering::Acquire)
+        lock(&self.outgoing).is_empty()
+    }
+
+    /// Messages in the queue.
+    fn waiting(&self) -> usize {
+        lock(&self.outgoing).queue.len()
+    }
+
+    /// Messages that have not been written, or not whole.
+    fn unwritten(&self) -> usize {
+        let outgoing = lock(&self.outgoing);
+        outgoing.queue.len() + usize::from(outgoing.begun.is_some())
     }
 
     fn close(&self) {
@@ -165,7 +233,7 @@ impl Publication {
                 node: Arc::clone(&peer.node),
                 sent: peer.sent.load(Ordering::Relaxed),
                 dropped: peer.dropped.load(Ordering::Relaxed),
-                waiting: lock(&peer.queue).len(),
+                waiting: peer.waiting(),
             })
             .collect();
         RosPublisherCounts {
@@ -209,15 +277,8 @@ impl Publication {
         let written = timeout(limit, stream.write_all(&accepted)).await;
         let written = written.map_err(|_| "it does not read the header")?;
         written.map_err(|error| error.to_string())?;
-        let peer = Arc::new(Peer {
-            node,
-            queue: Mutex::default(),
-            is_writing: AtomicBool::new(false),
-            filled: Notify::new(),
-            is_closed: AtomicBool::new(false),
-            sent: AtomicU64::new(0),
-            dropped: AtomicU64::new(0),
-        });
+        let (from, to) = stream.into_split();
+        let peer = Arc::new(Peer::new(node, to));
         {
             let mut peers = lock(&self.peers);
             if peers.is_closed {
@@ -229,11 +290,11 @@ impl Publication {
             }
             peers.all.push(Arc::clone(&peer));
         }
-        let ended = write_messages(context, &peer, stream).await;
+        let ended = write_messages(context, &peer, from).await;
         let mut peers = lock(&self.peers);
         peers.all.retain(|it| !Arc::ptr_eq(it, &peer));
         peers.sent += peer.sent.load(Ordering::Relaxed);
-        peers.dropped += peer.dropped.load(Ordering::Relaxed) + lock(&peer.queue).len() as u64;
+        peers.dropped += peer.dropped.load(Ordering::Relaxed) + peer.unwritten() as u64;
         ended
     }
 
@@ -276,31 +337,28 @@ pub(crate) fn stated(node: &Arc<str>, header: &ConnectionHeader) -> StatedType {
     }
 }
 
-/// Writes the messages of a subscriber until the connection ends.
-async fn write_messages(context: &Context, peer: &Peer, stream: TcpStream) -> Result<(), String> {
-    let (mut from, mut to) = stream.into_split();
+/// Writes the messages that wait for a subscriber until the connection ends.
+async fn write_messages(
+    context: &Context,
+    peer: &Peer,
+    mut from: OwnedReadHalf,
+) -> Result<(), String> {
     let writing = async {
+        let stall = context.settings.timing.stall;
         loop {
-            let Some(message) = peer.begin_write() else {
+            if peer.is_idle() {
                 if peer.is_closed.load(Ordering::Acquire) {
                     return Ok(());
                 }
                 peer.filled.notified().await;
                 continue;
-            };
-            let stall = context.settings.timing.stall;
-            let written = timeout(stall, to.write_all(&message)).await;
-            match written {
-                Ok(Ok(())) => peer.sent.fetch_add(1, Ordering::Relaxed),
-                Ok(Err(error)) => {
-                    peer.dropped.fetch_add(1, Ordering::Relaxed);
-                    return Err(error.to_string());
-                }
-                Err(_) => {
-                    peer.dropped.fetch_add(1, Ordering::Relaxed);
-                    return Err(format!("it has read nothing for {stall:?}"));
-                }
-            };
+            }
+            match timeout(stall, peer.stream.writable()).await {
+                Ok(ready) => ready.map_err(|error| error.to_string())?,
+                Err(_) => return Err(format!("it has read nothing for {stall:?}")),
+            }
+            let written = peer.write(&mut lock(&peer.outgoing));
+            written.map_err(|error| error.to_string())?;
         }
     };
     let reading = async {

@@ -64,6 +64,11 @@ impl Graph {
         self.matched(local).map(|(_, since)| since).min()
     }
 
+    /// Since when the last of the peers that match an endpoint of this node matches it.
+    pub(crate) fn newest_match(&self, local: Gid) -> Option<Instant> {
+        self.matched(local).map(|(_, since)| since).max()
+    }
+
     /// The name of the node, with its namespace, that has an endpoint; `None` if no peer has published it yet.
     pub fn node_of(&self, endpoint: Gid) -> Option<String> {
         let mut all = self.nodes.values().flatten();

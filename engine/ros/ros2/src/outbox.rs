@@ -1,7 +1,12 @@
 //! Writers of DDS, with a queue for what DDS does not take at once.
+//!
+//! A reader that has matched gets its first message alone: the next one waits until all readers have acknowledged the first. A
+//! volatile reader of Cyclone DDS begins after the last message that the first heartbeat of a foreign writer announces, and
+//! `rustdds` sends a heartbeat with each datagram, in which it announces messages that another thread has written meanwhile and
+//! that are not on their way yet. Such a message would never reach the reader.
 
 use std::collections::VecDeque;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use rustdds::bytes::Bytes;
@@ -11,11 +16,16 @@ use rustdds::{SampleIdentity, Timestamp, WriteOptions, WriteOptionsBuilder};
 
 use crate::error::SendError;
 use crate::gid::Gid;
+use crate::graph::SharedGraph;
 use crate::payload::{Payload, Raw};
 use crate::reactor::Chore;
 
 /// Time that messages without acknowledgement have to leave.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(20);
+/// Longest wait for the acknowledgement of the first message after a match.
+const INTRODUCTION: Duration = Duration::from_millis(200);
+/// Smallest number of messages that wait meanwhile before the oldest is dropped.
+const INTRODUCED_LATER: usize = 256;
 
 /// Numbers of messages of a publisher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,6 +46,8 @@ pub(crate) struct Outbox {
     topic: String,
     writer: DataWriter<Payload, Raw>,
     capacity: usize,
+    /// `None` for a best-effort writer, whose readers acknowledge nothing.
+    graph: Option<Arc<SharedGraph>>,
     state: Mutex<State>,
 }
 
@@ -43,6 +55,16 @@ pub(crate) struct Outbox {
 struct State {
     waiting: VecDeque<(Bytes, WriteOptions)>,
     counts: PublisherCounts,
+    /// The latest match of a reader that has got its first message.
+    introduced: Option<Instant>,
+    /// The first message after a match that is not acknowledged yet.
+    introduction: Option<Introduction>,
+}
+
+struct Introduction {
+    /// The latest match before the message.
+    matched: Instant,
+    sent: Instant,
 }
 
 impl Outbox {
@@ -51,12 +73,14 @@ impl Outbox {
         topic: &str,
         writer: DataWriter<Payload, Raw>,
         capacity: usize,
+        graph: Option<Arc<SharedGraph>>,
     ) -> Self {
         Self {
             gid,
             topic: topic.to_owned(),
             writer,
             capacity,
+            graph,
             state: Mutex::default(),
         }
     }
@@ -91,12 +115,21 @@ impl Outbox {
         {
             return Ok(());
         }
-        if state.waiting.len() >= self.capacity {
+        let capacity = match state.introduction {
+            Some(_) => self.capacity.max(INTRODUCED_LATER),
+            None => self.capacity,
+        };
+        if state.waiting.len() >= capacity {
             state.waiting.pop_front();
             state.counts.dropped += 1;
         }
         state.waiting.push_back((bytes, options));
         Ok(())
+    }
+
+    /// Returns whether messages wait.
+    pub(crate) fn is_waiting(&self) -> bool {
+        !self.lock().waiting.is_empty()
     }
 
     /// Sends a message at once, or not at all; returns its identity.
@@ -110,10 +143,18 @@ impl Outbox {
         bytes: Bytes,
         options: WriteOptions,
     ) -> Result<Option<SampleIdentity>, SendError> {
+        if !self.is_introduced(state) {
+            return Ok(None);
+        }
+        let matched = self.newest_match();
         // the writer's longest blocking time is zero
         match self.writer.write_with_options(Payload(bytes), options) {
             Ok(identity) => {
                 state.counts.sent += 1;
+                if let Some(matched) = matched.filter(|it| Some(*it) > state.introduced) {
+                    let sent = Instant::now();
+                    state.introduction = Some(Introduction { matched, sent });
+                }
                 Ok(Some(identity))
             }
             Err(WriteError::WouldBlock { .. }) => Ok(None),
@@ -130,6 +171,25 @@ impl Outbox {
                 })
             }
         }
+    }
+
+    /// The latest match of a reader.
+    fn newest_match(&self) -> Option<Instant> {
+        self.graph.as_ref()?.lock().newest_match(self.gid)
+    }
+
+    /// Returns whether a message can be sent: the first one after a match, or one after it was acknowledged.
+    fn is_introduced(&self, state: &mut State) -> bool {
+        let Some(Introduction { matched, sent }) = &state.introduction else {
+            return true;
+        };
+        let acknowledged = self.writer.wait_for_acknowledgments(Duration::ZERO);
+        if !acknowledged.unwrap_or(true) && sent.elapsed() < INTRODUCTION {
+            return false;
+        }
+        state.introduced = Some(*matched);
+        state.introduction = None;
+        true
     }
 
     /// Waits until DDS has taken the messages sent so far, and reliable subscriptions have acknowledged them, at most until this

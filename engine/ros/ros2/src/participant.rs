@@ -19,7 +19,7 @@ use crate::graph::SharedGraph;
 use crate::names;
 use crate::outbox::Outbox;
 use crate::payload::{Payload, Raw};
-use crate::qos::Qos;
+use crate::qos::{Qos, Reliability};
 use crate::reactor::{Chore, Reactor, Reader, Registration, Sink};
 
 /// Configuration of a node.
@@ -248,7 +248,8 @@ impl Inner {
         let writer: DataWriter<Payload, Raw> = created.map_err(|error| refused(topic, error))?;
         let gid = Gid::from(writer.guid());
         self.graph.add_local(gid, topic, kind, hash);
-        let outbox = Arc::new(Outbox::new(gid, topic, writer, qos.queue()));
+        let graph = (qos.reliability == Reliability::Reliable).then(|| Arc::clone(&self.graph));
+        let outbox = Arc::new(Outbox::new(gid, topic, writer, qos.queue(), graph));
         let chore: Arc<dyn Chore> = outbox.clone();
         self.reactor.add_chore(Arc::downgrade(&chore));
         self.own().of(self.key()).writers.insert(gid);

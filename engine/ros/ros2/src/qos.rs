@@ -45,6 +45,8 @@ pub struct Qos {
 
 /// Smallest number of messages that DDS keeps between its thread and ours.
 const KEPT: usize = 64;
+/// Added to a requested deadline: peers round an equal one up where this side cuts it off, and would not match.
+const ROUNDING: Duration = Duration::from_micros(1);
 /// Largest depth.
 const DEEPEST: usize = 1 << 16;
 
@@ -119,6 +121,7 @@ impl Qos {
     pub(crate) fn reader(self) -> QosPolicies {
         let policies = Self {
             lifespan: None,
+            deadline: self.deadline.map(|it| it.saturating_add(ROUNDING)),
             ..self
         };
         policies.policies(self.queue().max(KEPT))

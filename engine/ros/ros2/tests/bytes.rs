@@ -1,10 +1,10 @@
-//! The encoding of all messages, next to that of Cyclone DDS.
+//! The encoding of all messages, requests, responses, goals, results and feedback, next to that of Cyclone DDS.
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
 use asmotion_datum::{Codec, Datum, Schema, Shape};
-use asmotion_ros_interface::InterfaceKind;
+use asmotion_ros_interface::{InterfaceKind, InterfaceName};
 
 use crate::peer::{catalogue, hex, json, python};
 
@@ -65,34 +65,27 @@ impl Numbers {
     }
 }
 
-#[test]
-fn cyclone_reads_and_writes_the_same_bytes() {
-    let Some(python) = python() else { return };
-    let jazzy = catalogue();
-    let mut numbers = Numbers(2);
-    let (mut input, mut expected) = (String::new(), Vec::new());
-    for (name, _) in jazzy.interfaces() {
-        if name.kind() != InterfaceKind::Message {
-            continue;
-        }
-        let schema = jazzy.schema(name).unwrap();
-        if Codec::Cdr.carries(&schema).is_err() {
-            continue;
-        }
-        let encoded: Vec<String> = (0..MESSAGES)
-            .map(|_| hex(&Codec::Cdr.encode(&numbers.datum(&schema), &schema).unwrap()))
-            .collect();
-        let entry = serde_json::json!({
-            "type": format!("{}::msg::dds_::{}_", name.package(), name.name()),
-            "schema": json(&schema),
-            "messages": encoded,
-        });
-        input.push_str(&format!("{entry}\n"));
-        expected.extend(encoded.into_iter().map(|bytes| (name.clone(), bytes)));
-    }
-    assert!(expected.len() > 150 * MESSAGES, "{}", expected.len());
+/// The types of an interface as DDS has them, with their schemas.
+fn types(name: &InterfaceName) -> Vec<(String, Schema)> {
+    let (package, short) = (name.package(), name.name());
+    let (folder, suffixes): (_, &[&str]) = match name.kind() {
+        InterfaceKind::Message => ("msg", &[""]),
+        InterfaceKind::Service => ("srv", &["_Request", "_Response"]),
+        InterfaceKind::Action => ("action", &["_Goal", "_Result", "_Feedback"]),
+    };
+    let schemas = catalogue().schemas(name).unwrap();
+    assert_eq!(schemas.len(), suffixes.len(), "{name}");
+    let name_of = |suffix: &&str| format!("{package}::{folder}::dds_::{short}{suffix}_");
+    suffixes.iter().map(name_of).zip(schemas).collect()
+}
+
+/// Gives lines to the peer in this role, and returns its lines.
+fn converse(role: &str, input: String) -> Vec<String> {
+    let Some(python) = python() else {
+        return Vec::new();
+    };
     let mut peer = Command::new(python)
-        .args([crate::peer::peer_script(), "bytes", "{}"])
+        .args([crate::peer::peer_script(), role, "{}"])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
@@ -103,9 +96,69 @@ fn cyclone_reads_and_writes_the_same_bytes() {
     writer.join().unwrap();
     assert!(output.status.success(), "Cyclone DDS refuses a message");
     let output = String::from_utf8(output.stdout).unwrap();
-    let lines: Vec<&str> = output.lines().collect();
+    output.lines().map(str::to_owned).collect()
+}
+
+/// All types of the definitions, and the number of interfaces.
+fn all_types() -> (Vec<(String, Schema)>, usize) {
+    let jazzy = catalogue();
+    let names: Vec<_> = jazzy.interfaces().map(|(name, _)| name.clone()).collect();
+    let all: Vec<_> = names.iter().flat_map(types).collect();
+    for (name, schema) in &all {
+        let carried = Codec::Cdr.carries(schema);
+        assert!(carried.is_ok(), "{name}: {carried:?}");
+    }
+    (all, names.len())
+}
+
+#[test]
+fn cyclone_reads_and_writes_the_same_bytes() {
+    if python().is_none() {
+        return;
+    }
+    let (all, interfaces) = all_types();
+    assert!(interfaces > 200 && all.len() > interfaces, "{interfaces}");
+    let mut numbers = Numbers(2);
+    let (mut input, mut expected) = (String::new(), Vec::new());
+    for (name, schema) in &all {
+        let encoded: Vec<String> = (0..MESSAGES)
+            .map(|_| hex(&Codec::Cdr.encode(&numbers.datum(schema), schema).unwrap()))
+            .collect();
+        let entry =
+            serde_json::json!({ "type": name, "schema": json(schema), "messages": encoded });
+        input.push_str(&format!("{entry}\n"));
+        expected.extend(encoded.into_iter().map(|bytes| (name, bytes)));
+    }
+    let lines = converse("bytes", input);
     assert_eq!(lines.len(), expected.len());
-    for (line, (name, bytes)) in lines.into_iter().zip(&expected) {
+    for (line, (name, bytes)) in lines.iter().zip(&expected) {
         assert_eq!(line, bytes, "{name}");
+    }
+}
+
+/// The other way round: values that the peer makes up.
+#[test]
+fn what_cyclone_writes_is_read_and_written_with_the_same_bytes() {
+    if python().is_none() {
+        return;
+    }
+    let (all, _) = all_types();
+    let entry = |(name, schema): &(String, Schema)| {
+        let entry = serde_json::json!({ "type": name, "schema": json(schema), "count": MESSAGES });
+        format!("{entry}\n")
+    };
+    let lines = converse("generate", all.iter().map(entry).collect());
+    assert_eq!(lines.len(), all.len() * MESSAGES);
+    let types = all.iter().flat_map(|of| std::iter::repeat_n(of, MESSAGES));
+    for (line, (name, schema)) in lines.iter().zip(types) {
+        let pairs = line.as_bytes().chunks(2);
+        let pairs = pairs.map(|pair| std::str::from_utf8(pair).unwrap());
+        let bytes: Vec<u8> = pairs
+            .map(|digits| u8::from_str_radix(digits, 16).unwrap())
+            .collect();
+        let message = Codec::Cdr.decode(&bytes, schema);
+        let message = message.unwrap_or_else(|error| panic!("{name}: {error}: {line}"));
+        let again = Codec::Cdr.encode(&message, schema).unwrap();
+        assert_eq!(hex(&again), *line, "{name}");
     }
 }

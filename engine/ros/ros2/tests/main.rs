@@ -1,4 +1,4 @@
-//! Tests of the node: against Cyclone DDS in Python, and against a second node where Cyclone DDS cannot play the peer.
+//! Tests of the node: against Cyclone DDS in Python, rclpy on Fast DDS, and a second node where neither can play the peer.
 
 #![expect(
     clippy::unwrap_used,
@@ -9,6 +9,7 @@
 
 mod actions;
 mod bytes;
+mod fastdds;
 mod graph;
 mod malformed;
 mod peer;

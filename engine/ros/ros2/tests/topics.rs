@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_datum::Datum;
 use asmotion_ros2::{
@@ -40,6 +40,36 @@ fn r12_cyclone_reads_what_a_publisher_sends() {
     }
     assert_eq!(publisher.counts().sent, 100);
     assert_eq!(publisher.counts().dropped, 0);
+}
+
+/// A reader that matches late would leave out what the first heartbeat announces before it is sent.
+#[test]
+fn the_first_message_after_a_match_goes_alone() {
+    let Some(python) = python() else { return };
+    let domain = domain();
+    let string = named("std_msgs/msg/String");
+    let settings = topic_settings(domain, "/chatter", &string);
+    let peer = Peer::start(&python, "subscribe", &settings);
+    peer.expect("ready");
+    let node = node("talker", domain);
+    let publisher = node.publisher("/chatter", &string, Qos::default()).unwrap();
+    assert!(publisher.wait_for_matches(1, LONG));
+    // it acknowledges nothing
+    peer.signal("STOP");
+    let begun = Instant::now();
+    for number in 0..3 {
+        publisher.send(&text(&number.to_string())).unwrap();
+    }
+    let counts = publisher.counts();
+    // on a busy machine, the wait may be over
+    if begun.elapsed() < Duration::from_millis(150) {
+        assert_eq!((counts.sent, counts.waiting), (1, 2));
+    }
+    // a peer that stands still does not keep the others for long
+    wait("the other messages", || {
+        (publisher.counts().sent == 3).then_some(())
+    });
+    peer.signal("CONT");
 }
 
 #[test]

@@ -7,13 +7,14 @@ use asmotion_datum::Datum;
 use asmotion_port::Time;
 
 use super::ComponentUnit;
+use crate::added_ports::AddedPorts;
 use crate::effects::Effects;
 use crate::event::Event;
 
 /// Kind of the report that a component was replaced; its content is the description of the new one.
 pub const REPLACEMENT_REPORT: &str = "replaced";
 
-/// A component that is to replace another one with the same declaration.
+/// A component that is to replace another one with the same declaration, except for additional ports.
 pub(crate) struct NewComponent {
     pub component: Box<dyn Component>,
     /// Name of the implementation, for the report.
@@ -22,6 +23,10 @@ pub(crate) struct NewComponent {
     pub owner: u32,
     pub provided: Vec<OperationSlot>,
     pub required: Vec<OperationSlot>,
+    /// Ports that it has in addition to those of the other one.
+    pub added: AddedPorts,
+    /// Numbers of inputs and outputs of a component that was replaced.
+    pub ports: Option<(usize, usize)>,
 }
 
 impl ComponentUnit {
@@ -81,12 +86,19 @@ impl ComponentUnit {
 
     fn exchange(&mut self, new: NewComponent) -> NewComponent {
         let body = &mut self.body;
+        let ports = (body.inputs.len(), body.outputs.len());
+        if let Some((inputs, outputs)) = new.ports {
+            body.truncate_ports(inputs, outputs);
+        }
+        body.add_ports(new.added);
         NewComponent {
             component: std::mem::replace(&mut self.component, new.component),
             description: new.description,
             owner: std::mem::replace(&mut body.owner, new.owner),
             provided: std::mem::replace(&mut body.provided, new.provided),
             required: std::mem::replace(&mut body.required, new.required),
+            added: AddedPorts::default(),
+            ports: Some(ports),
         }
     }
 }

@@ -1,14 +1,25 @@
 //! Wakes a component's thread: a flag and an unpark, neither of which blocks.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
+
+use super::bell::ExecutorBell;
+
+/// What runs the cycles of a component.
+pub(crate) enum WakeTarget {
+    /// A thread of its own.
+    Thread(Thread),
+    /// The executor threads, in which it has this seat.
+    Seat(Arc<ExecutorBell>, usize),
+}
 
 /// Lets other threads wake a component's thread.
 ///
 /// A flag is set before the unpark, and the component's thread takes the flags before it parks. If a flag is set after
 /// the thread has checked it, the unpark follows the check as well, so the next park returns at once and the thread
-/// checks again. No wake-up is lost, and no lock is needed.
+/// checks again. No wake-up is lost, and no lock is needed. The [bell](ExecutorBell) of executor threads does the same for
+/// their seats.
 #[derive(Default)]
 pub(crate) struct ThreadWaker {
     /// Whether new data trigger a cycle. Stored by the component's thread when its drive or its state changes, read by the
@@ -22,15 +33,24 @@ pub(crate) struct ThreadWaker {
     triggered: AtomicBool,
     /// A cycle was requested explicitly. Set by the run's owner, taken by the component's thread.
     cycle_requested: AtomicBool,
-    /// The thread to unpark. Set once by the spawning thread, before any component of the thread has a cycle; nothing
-    /// needs to wake it earlier.
-    thread: OnceLock<Thread>,
+    /// What to wake. Set once by the run's owner, before any component of the thread has a cycle; nothing needs to wake it
+    /// earlier.
+    target: OnceLock<WakeTarget>,
+}
+
+impl WakeTarget {
+    pub(crate) fn wake(&self) {
+        match self {
+            Self::Thread(thread) => thread.unpark(),
+            Self::Seat(bell, seat) => bell.wake(*seat),
+        }
+    }
 }
 
 impl ThreadWaker {
-    pub(crate) fn set_thread(&self, thread: Thread) {
-        // never set twice: only the spawning thread calls this
-        let _ = self.thread.set(thread);
+    pub(crate) fn set_target(&self, target: WakeTarget) {
+        // never set twice: only the run's owner calls this
+        let _ = self.target.set(target);
     }
 
     pub(crate) fn set_event_driven(&self, event_driven: bool) {
@@ -41,19 +61,19 @@ impl ThreadWaker {
     pub(crate) fn trigger(&self) {
         if !self.triggered.swap(true, Ordering::AcqRel) && self.event_driven.load(Ordering::Relaxed)
         {
-            self.unpark();
+            self.wake();
         }
     }
 
     /// Requests a cycle, whatever drives the component.
     pub(crate) fn request_cycle(&self) {
         self.cycle_requested.store(true, Ordering::Release);
-        self.unpark();
+        self.wake();
     }
 
-    pub(crate) fn unpark(&self) {
-        if let Some(thread) = self.thread.get() {
-            thread.unpark();
+    fn wake(&self) {
+        if let Some(target) = self.target.get() {
+            target.wake();
         }
     }
 

@@ -1,285 +1,36 @@
-//! The loop of a component's thread: commands, then the cycle that is due, then sleep.
+//! The thread of one component and its slaves: turns of its group, with sleep between them.
 
-use std::sync::{Arc, mpsc};
-
-use asmotion_component::Drive;
-use asmotion_port::Time;
-
+use super::group::{ComponentGroup, NextStep};
 use super::schedule;
-use crate::component_unit::ComponentUnit;
-use crate::context::{LiveContext, ThreadWaker};
+use crate::context::LiveContext;
 use crate::effects::Effects;
 use crate::event::Event;
-use crate::run::Act;
 
-/// A command from the run's owner.
-pub(crate) enum WorkerCommand {
-    /// Runs a function on the component at this position of the system.
-    Act(usize, Act),
-    /// Runs work for a new component, which is not among the thread's components yet.
-    Work(Box<dyn FnOnce() + Send>),
-    /// Takes over a new component.
-    Adopt(Box<ComponentUnit>),
-    /// Begins the cycles of the running components, at this time.
-    Release(Time),
-    /// Drops the component at this position of the system. The thread ends with the last one.
-    Remove(usize),
-    End,
-}
-
-/// A component's next step. The smallest of a thread's components decides what the thread does.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum NextStep {
-    Cycle,
-    /// Check again at this time, unless woken before.
-    SleepUntil(Time),
-    /// Nothing until woken.
-    Sleep,
-}
-
-/// The components of a thread: one that is not a slave, and its slaves.
-pub(crate) struct Worker {
-    members: Vec<WorkerMember>,
-    commands: mpsc::Receiver<WorkerCommand>,
-    context: LiveContext,
-    /// Cycles may run. Set once all components of the system have been started, so that a call in a first cycle finds
-    /// its provider running, whatever the order of the components.
-    released: bool,
-}
-
-/// One component of a thread.
-struct WorkerMember {
-    unit: ComponentUnit,
-    waker: Arc<ThreadWaker>,
-    /// Time of the next periodic cycle; for an event-driven component, of its first cycle.
-    due: Time,
-}
-
-impl Worker {
-    pub(crate) fn new(
-        units: Vec<ComponentUnit>,
-        wakers: &[Arc<ThreadWaker>],
-        commands: mpsc::Receiver<WorkerCommand>,
-        context: LiveContext,
-    ) -> Self {
-        let wakers = wakers.iter().map(Arc::clone);
-        let members = units.into_iter().zip(wakers);
-        Self {
-            members: members
-                .map(|(unit, waker)| WorkerMember::new(unit, waker))
-                .collect(),
-            commands,
-            context,
-            released: false,
-        }
-    }
-
-    pub(crate) fn run(mut self) {
-        self.apply_schedule();
-        while self.process_commands() {
-            let mut soonest = (NextStep::Sleep, 0);
-            if self.released {
-                for (index, member) in self.members.iter_mut().enumerate() {
-                    soonest = soonest.min((member.next_step(&mut self.context), index));
-                }
-            }
-            match soonest {
-                (NextStep::Cycle, index) => self.cycle(index),
-                (NextStep::SleepUntil(at), _) => {
-                    std::thread::park_timeout(at.since(self.context.now()));
-                }
-                (NextStep::Sleep, _) => std::thread::park(),
-            }
-        }
-    }
-
-    /// Applies the scheduling class and the processors of the component that is not a slave to the thread.
-    fn apply_schedule(&mut self) {
-        let masters = |member: &&WorkerMember| member.unit.master.is_none();
-        let Some(WorkerMember { unit, .. }) = self.members.iter().find(masters) else {
-            return;
-        };
-        for denied in schedule::apply(&unit.activity) {
-            let component = &*unit.name;
-            let denied = &denied;
-            let event = Event::Denied { component, denied };
-            self.context.emit(self.context.now(), &event);
-        }
-    }
-
-    /// Carries out waiting commands. Returns whether to continue.
-    fn process_commands(&mut self) -> bool {
-        loop {
-            match self.commands.try_recv() {
-                Err(mpsc::TryRecvError::Empty) => return true,
-                Err(mpsc::TryRecvError::Disconnected) | Ok(WorkerCommand::End) => return false,
-                Ok(WorkerCommand::Act(component, act)) => {
-                    let mut members = self.members.iter_mut();
-                    if let Some(member) = members.find(|one| one.unit.index == component) {
-                        member.run_act(act, self.released, &mut self.context);
-                    }
-                }
-                Ok(WorkerCommand::Work(work)) => work(),
-                Ok(WorkerCommand::Adopt(unit)) => {
-                    let waker = self.context.waker(unit.index);
-                    self.members.push(WorkerMember::new(*unit, waker));
-                    self.apply_schedule();
-                }
-                Ok(WorkerCommand::Release(at)) => {
-                    self.released = true;
-                    for member in &mut self.members {
-                        if member.unit.state().is_running() {
-                            member.schedule_first(at);
-                        } else {
-                            member.await_requests();
-                        }
-                    }
-                }
-                Ok(WorkerCommand::Remove(component)) => {
-                    self.members.retain(|one| one.unit.index != component);
-                    if self.members.is_empty() {
-                        return false;
-                    }
-                }
-            }
-        }
-    }
-
-    /// Runs one cycle of a component, then one of each of its slaves, recursively.
-    fn cycle(&mut self, index: usize) {
-        if !self.members[index].unit.state().is_running() {
-            return self.members[index].serve(&mut self.context);
-        }
-        self.members[index].cycle(&mut self.context);
-        let master = Some(self.members[index].unit.index);
-        for slave in 0..self.members.len() {
-            let unit = &self.members[slave].unit;
-            if unit.master == master && unit.state().is_running() {
-                self.cycle(slave);
-            }
+/// Runs a group in the current thread until its last component is removed.
+pub(super) fn run(mut group: ComponentGroup, mut context: LiveContext) {
+    // a new component is constructed in its thread, which has no component until then
+    let mut is_scheduled = apply_schedule(&group, &mut context);
+    while group.process_commands() {
+        is_scheduled = is_scheduled || apply_schedule(&group, &mut context);
+        match group.advance() {
+            NextStep::Cycle => {}
+            NextStep::SleepUntil(at) => std::thread::park_timeout(at.since(context.now())),
+            NextStep::Sleep => std::thread::park(),
         }
     }
 }
 
-impl WorkerMember {
-    fn new(unit: ComponentUnit, waker: Arc<ThreadWaker>) -> Self {
-        Self {
-            unit,
-            waker,
-            due: Time::ZERO,
-        }
+/// Applies the scheduling class and the processors of the component that is not a slave to the thread. Returns `false` if there
+/// is no component yet.
+fn apply_schedule(group: &ComponentGroup, context: &mut LiveContext) -> bool {
+    let Some(unit) = group.leader() else {
+        return false;
+    };
+    for denied in schedule::apply(&unit.activity) {
+        let component = &*unit.name;
+        let denied = &denied;
+        let event = Event::Denied { component, denied };
+        context.emit(context.now(), &event);
     }
-
-    /// Runs a function on the component and, once cycles are `released`, plans its next one by its new state.
-    fn run_act(&mut self, act: Act, released: bool, context: &mut LiveContext) {
-        let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
-        let now = context.now();
-        act(&mut self.unit, now, context);
-        self.await_requests();
-        if !released {
-            return;
-        }
-        if !ran && self.unit.state().is_running() {
-            self.schedule_first(now);
-        } else if self.unit.activity.drive != drive {
-            // the next cycle is one new period after the last one
-            let last = drive.period().map_or(now, |period| self.due - period);
-            self.reschedule(last, context);
-        }
-    }
-
-    /// Plans the first cycle after a start. An event-driven component has one too: RTT triggers on start.
-    fn schedule_first(&mut self, now: Time) {
-        self.due = now + self.unit.activity.delay;
-        let event_driven = self.unit.activity.drive == Drive::Event;
-        self.waker.set_event_driven(event_driven);
-        if event_driven {
-            self.waker.trigger();
-        }
-    }
-
-    /// Applies a drive that has changed since the last cycle.
-    fn reschedule(&mut self, last: Time, context: &LiveContext) {
-        let drive = self.unit.activity.drive;
-        self.waker.set_event_driven(drive == Drive::Event);
-        if let Some(period) = drive.period() {
-            self.due = (last + period).max(context.now());
-        }
-    }
-
-    /// Lets requests wake a stopped component that answers operations, whatever its drive.
-    fn await_requests(&self) {
-        if !self.unit.state().is_running() {
-            self.waker
-                .set_event_driven(self.unit.serves_while_stopped());
-        }
-    }
-
-    fn next_step(&mut self, context: &mut LiveContext) -> NextStep {
-        if !self.unit.state().is_running() {
-            // a request, or the end of background work
-            let serves = self.unit.serves_while_stopped()
-                && (self.waker.take_trigger() | self.waker.take_cycle_request());
-            return if serves {
-                NextStep::Cycle
-            } else {
-                NextStep::Sleep
-            };
-        }
-        if self.waker.take_cycle_request() {
-            return NextStep::Cycle;
-        }
-        let now = context.now();
-        match self.unit.activity.drive {
-            Drive::Slave => self.await_replies(now, context),
-            Drive::Period(_) | Drive::Event | Drive::Manual if now < self.due => {
-                NextStep::SleepUntil(self.due)
-            }
-            Drive::Period(_) => NextStep::Cycle,
-            Drive::Event if self.waker.take_trigger() => NextStep::Cycle,
-            Drive::Event | Drive::Manual => self.await_replies(now, context),
-        }
-    }
-
-    /// Nothing is due: sleeps until new data arrive, a call reaches its deadline, or the cycle that the component has
-    /// requested is due.
-    fn await_replies(&mut self, now: Time, context: &mut LiveContext) -> NextStep {
-        let body = &self.unit.body;
-        let times = [body.caller.deadline(), body.later.time()];
-        match times.into_iter().flatten().min() {
-            None => NextStep::Sleep,
-            Some(deadline) if now < deadline => NextStep::SleepUntil(deadline),
-            Some(_) => {
-                // ends the call, whose result triggers an event-driven component, as does a requested cycle
-                self.unit.process_replies(now, context);
-                NextStep::SleepUntil(now)
-            }
-        }
-    }
-
-    /// Answers the requests of a stopped component.
-    fn serve(&mut self, context: &mut LiveContext) {
-        self.unit.cycle(context.now(), context);
-        self.await_requests();
-    }
-
-    fn cycle(&mut self, context: &mut LiveContext) {
-        let begin = context.now();
-        let before = self.unit.activity.drive;
-        self.unit.cycle(begin, context);
-        let now = context.now();
-        self.unit.check_deadline(now.since(begin), now, context);
-        if self.unit.activity.drive != before {
-            self.reschedule(begin, context);
-        } else if let Drive::Period(period) = before
-            && begin >= self.due
-        {
-            let end = context.now();
-            self.due = self.unit.next_due(self.due, period, (begin, end), context);
-        }
-        if self.unit.restart_after_fault(context.now(), context) {
-            self.schedule_first(context.now() + self.unit.reset_pause());
-        }
-        self.await_requests();
-    }
+    true
 }

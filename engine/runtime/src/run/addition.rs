@@ -7,9 +7,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use asmotion_component::{
-    Activity, Component, HEALTH_TOPIC, Interface, LifeCycleError, State, Transition,
-};
+use asmotion_component::{Activity, Component, Interface, LifeCycleError, State, Transition};
 use asmotion_datum::Datum;
 use asmotion_port::{Policy, Time};
 
@@ -24,6 +22,7 @@ use crate::connections::ConnectionTable;
 use crate::effects::{Effects, NoEffects};
 use crate::event::{Event, OwnedEvent};
 use crate::injection::{InjectionPort, WAITING};
+use crate::outer_end::OuterEnd;
 
 /// Kind of the report that a component was added to a running system; its content is the description of the component.
 pub const ADDITION_REPORT: &str = "added";
@@ -41,6 +40,8 @@ pub struct ComponentAddition {
     published: Vec<(String, String)>,
     /// Topics, the inputs that subscribe to them, and the policies of their connections.
     subscribed: Vec<(String, String, Policy)>,
+    /// Ends that are joined to the outside.
+    joined: Vec<OuterEnd>,
 }
 
 impl ComponentAddition {
@@ -58,6 +59,7 @@ impl ComponentAddition {
             safe_samples: Vec::new(),
             published: Vec::new(),
             subscribed: Vec::new(),
+            joined: Vec::new(),
         }
     }
 
@@ -91,6 +93,13 @@ impl ComponentAddition {
         policy: Policy,
     ) -> Self {
         self.subscribed.push((topic.into(), input.into(), policy));
+        self
+    }
+
+    /// Joins an end of the component to the outside.
+    #[must_use]
+    pub fn joined(mut self, end: OuterEnd) -> Self {
+        self.joined.push(end);
         self
     }
 
@@ -141,7 +150,7 @@ pub(super) struct StagedComponent {
     /// Connections from outside into its inputs.
     injections: Vec<InjectionPort>,
     /// Connections from outside into the topics to which it subscribes.
-    topic_injections: Vec<(String, InjectionPort)>,
+    pub topic_injections: Vec<(String, InjectionPort)>,
     events: HeldEvents,
 }
 
@@ -210,7 +219,7 @@ impl<E: Executor> ChangePlan<'_, E> {
             let input = self.run.end(&format!("{component}.{input}"), inputs)?;
             self.subscribe(topic, input, policy)?;
         }
-        Ok(())
+        by.joined.iter().try_for_each(|end| self.join(end))
     }
 
     /// The new component at this position; `None` if the component there runs already.
@@ -228,97 +237,11 @@ impl<E: Executor> ChangePlan<'_, E> {
             output: output.name,
             source,
         })?;
-        let declared = &mut staged.unit.body.declaration.outputs[output.index];
-        declared.safe = Some(sample.clone());
-        let descriptor = &mut self.run.descriptors_mut()[output.unit];
-        descriptor.declaration.outputs[output.index].safe = Some(sample.clone());
+        let declaration = Arc::make_mut(&mut staged.unit.body.declaration);
+        declaration.outputs[output.index].safe = Some(sample.clone());
+        let declaration = Arc::clone(&staged.unit.body.declaration);
+        self.run.descriptors_mut()[output.unit].declaration = declaration;
         Ok(())
-    }
-
-    /// Plans that an output of a new component publishes on a topic.
-    fn publish(&mut self, from: ComponentEnd, topic: &str) -> Result<(), ChangeError> {
-        if topic == HEALTH_TOPIC {
-            return Err(BuildError::ReservedTopic {
-                from: from.name,
-                topic: HEALTH_TOPIC,
-            }
-            .into());
-        }
-        let staged = self.staged(from.unit);
-        let own = staged.and_then(|it| it.unit.body.topics.get_mut(from.index));
-        match own {
-            Some(Some(taken)) => {
-                let (end, to) = (from.name, format!("topic `{taken}`"));
-                return Err(BuildError::AlreadyConnected { end, to }.into());
-            }
-            Some(own) => *own = Some(topic.to_owned()),
-            None => {}
-        }
-        let index = self.topic(topic, &from)?;
-        let topics = self.topics();
-        let subscribers = topics[index].subscribers.clone();
-        topics[index].publishers.push(from.clone());
-        for (to, policy) in subscribers {
-            self.connect_by_topic(&from, &to, &policy)?;
-        }
-        Ok(())
-    }
-
-    /// Plans that an input of a new component subscribes to a topic.
-    fn subscribe(
-        &mut self,
-        topic: &str,
-        to: ComponentEnd,
-        policy: &Policy,
-    ) -> Result<(), ChangeError> {
-        if topic == HEALTH_TOPIC {
-            let reason = format!(
-                "`{}` reads `{HEALTH_TOPIC}`, which needs a new start",
-                to.name
-            );
-            return Err(refused(&self.name_of(&to), reason));
-        }
-        let index = self.topic(topic, &to)?;
-        let topics = self.topics();
-        if topics[index]
-            .subscribers
-            .iter()
-            .any(|(known, _)| *known == to)
-        {
-            let (end, to) = (to.name, format!("topic `{topic}`"));
-            return Err(BuildError::AlreadyConnected { end, to }.into());
-        }
-        let publishers = topics[index].publishers.clone();
-        topics[index].subscribers.push((to.clone(), policy.clone()));
-        for from in publishers {
-            self.connect_by_topic(&from, &to, policy)?;
-        }
-        let (connections, _) = self.run.connections();
-        let connection = connections.next_id();
-        if let Some(staged) = self.staged(to.unit) {
-            let port = InjectionPort::open(&mut staged.unit, to.index, policy, connection);
-            let port = port.map(|port| (topic.to_owned(), port));
-            staged.topic_injections.extend(port);
-        }
-        Ok(())
-    }
-
-    /// Position of a topic, which is created if need be.
-    fn topic(&mut self, topic: &str, end: &ComponentEnd) -> Result<usize, ChangeError> {
-        let component = self.name_of(end);
-        self.save_topics();
-        let (connections, _) = self.run.connections();
-        connections.topic_index(topic).ok_or_else(|| {
-            let reason = format!(
-                "`{}` is on a topic of the bus, which needs a new start",
-                end.name
-            );
-            refused(&component, reason)
-        })
-    }
-
-    fn name_of(&self, end: &ComponentEnd) -> Arc<str> {
-        Arc::clone(&self.run.descriptors()[end.unit].name)
     }
 
     /// Applies the planned steps to the new components, which no other component sees yet, then configures them in order

@@ -14,9 +14,12 @@ use super::addition::{ComponentAddition, StagedComponent};
 use super::executor::{Act, Executor, busy, connect_output};
 use super::removal::RemovedComponent;
 use super::replacement::Replacement;
+use crate::added_ports::AddedPorts;
 use crate::build_error::BuildError;
 use crate::component_end::{ComponentEnd, inputs, outputs, references, services};
-use crate::connections::RemovedConnection;
+use crate::connections::{HeldEnd, RemovedConnection};
+use crate::injection::InjectionPort;
+use crate::outer_end::OuterEnd;
 use crate::run_error::RunError;
 use crate::service::Wiring;
 use crate::system::operation_indices;
@@ -71,8 +74,40 @@ pub enum Change {
         /// The new period.
         period: Duration,
     },
-    /// Replaces a component by another one with the same declaration, which continues in its state
-    /// ([`take_over`](asmotion_component::Component::take_over)); one that is not configured begins anew.
+    /// Publishes an output on a topic, to all its subscribers. An output publishes on one topic at most.
+    Publish {
+        /// The output, as `component.port`.
+        output: String,
+        /// Name of the topic.
+        topic: String,
+    },
+    /// Takes an output off its topic.
+    Unpublish {
+        /// The output, as `component.port`.
+        output: String,
+        /// Name of the topic.
+        topic: String,
+    },
+    /// Subscribes an input to a topic, with all its publishers.
+    Subscribe {
+        /// The input, as `component.port`.
+        input: String,
+        /// Name of the topic.
+        topic: String,
+        /// Policy of the connection of each publisher.
+        policy: Policy,
+    },
+    /// Ends the subscription of an input.
+    Unsubscribe {
+        /// The input, as `component.port`.
+        input: String,
+        /// Name of the topic.
+        topic: String,
+    },
+    /// Replaces a component by another one, which continues in its state
+    /// ([`take_over`](asmotion_component::Component::take_over)); one that is not configured begins anew. Their declarations are the
+    /// same, except that the new one can have more ports, which later changes of the list connect. Ports that it does not
+    /// have stay, without a use.
     Replace {
         /// Name of the component.
         component: String,
@@ -94,6 +129,10 @@ pub enum Change {
         /// The new component.
         by: ComponentAddition,
     },
+    /// Joins an end of a component to the outside, such as a topic of a bus.
+    Join(OuterEnd),
+    /// Parts an end of a component from the outside. Calls under way end as unavailable.
+    Part(OuterEnd),
 }
 
 /// The reason that a running system could not be changed.
@@ -118,6 +157,16 @@ pub enum ChangeError {
     Addition {
         /// Name of the component.
         component: String,
+        /// Human-readable reason.
+        reason: String,
+    },
+    /// An end cannot be joined to the outside.
+    #[error("`{end}` cannot be joined to {outside}: {reason}")]
+    Joining {
+        /// The end in the system, as `component.port`.
+        end: String,
+        /// Name of the end outside.
+        outside: String,
         /// Human-readable reason.
         reason: String,
     },
@@ -155,9 +204,23 @@ impl fmt::Display for Change {
             Self::SetPeriod { component, period } => {
                 write!(f, "`{component}` cycles every {period:?}")
             }
+            Self::Publish { output, topic } => {
+                write!(f, "`{output}` is published on topic `{topic}`")
+            }
+            Self::Unpublish { output, topic } => {
+                write!(f, "`{output}` is no longer published on topic `{topic}`")
+            }
+            Self::Subscribe { input, topic, .. } => {
+                write!(f, "`{input}` subscribes to topic `{topic}`")
+            }
+            Self::Unsubscribe { input, topic } => {
+                write!(f, "`{input}` no longer subscribes to topic `{topic}`")
+            }
             Self::Replace { component, by } => write!(f, "`{component}` runs {}", by),
             Self::Remove { component } => write!(f, "`{component}` is removed"),
             Self::Add { component, by } => write!(f, "`{component}` is added and runs {by}"),
+            Self::Join(outer) => write!(f, "{outer}"),
+            Self::Part(outer) => outer.write_parted(f),
         }
     }
 }
@@ -179,6 +242,20 @@ pub(super) struct ChangePlan<'r, E: Executor> {
     pub(super) additions: Vec<StagedComponent>,
     /// Components to be removed, whose positions are vacant already.
     pub(super) removals: Vec<RemovedComponent>,
+    /// Ends to be joined to the outside, where nothing has been opened yet.
+    pub(super) joined: Vec<(ComponentEnd, OuterEnd)>,
+    /// Ends to be parted, each with its name outside.
+    pub(super) parted: Vec<(ComponentEnd, String)>,
+    /// What has been opened outside for this change.
+    pub(super) opened: Vec<HeldEnd>,
+    /// Ports that replacements have in addition, by component.
+    pub(super) extensions: Vec<(usize, AddedPorts)>,
+    /// Connections from outside into new inputs of running components.
+    pub(super) injections: Vec<InjectionPort>,
+    /// Connections from outside into running components by a topic.
+    pub(super) topic_injections: Vec<(String, InjectionPort)>,
+    /// Topics and the names of the inputs that no longer subscribe to them.
+    pub(super) unsubscribed: Vec<(String, String)>,
 }
 
 /// Removes a connection from an input.
@@ -186,7 +263,7 @@ pub(super) struct DetachStep {
     pub(super) reader: usize,
     /// The writer, if the connection has a queue of its own. If the writer is removed, its last samples still arrive: the
     /// input drops the connection once it has read them.
-    writer: Option<usize>,
+    pub(super) writer: Option<usize>,
     pub(super) act: Act,
 }
 
@@ -198,6 +275,8 @@ pub(super) enum UndoStep {
     /// The services of a reference: component, reference, and what they were.
     Rewire(usize, usize, Vec<(String, Wire)>),
     Topics(Vec<SystemTopic>),
+    /// Removes the ports of a component that follow these numbers of inputs and outputs.
+    Unextend(usize, (usize, usize)),
     /// Removes the last addition.
     Unadd,
     /// Puts the last removed component back.
@@ -215,13 +294,21 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
             replacements: Vec::new(),
             additions: Vec::new(),
             removals: Vec::new(),
+            joined: Vec::new(),
+            parted: Vec::new(),
+            opened: Vec::new(),
+            extensions: Vec::new(),
+            injections: Vec::new(),
+            topic_injections: Vec::new(),
+            unsubscribed: Vec::new(),
         }
     }
 
     /// Makes all of these changes, or none of them. Returns the notes of the new components.
     pub(super) fn apply(mut self, changes: &[Change]) -> Result<Vec<String>, ChangeError> {
         let planned = self.plan_all(changes);
-        let prepared = planned.and_then(|()| self.prepare_additions());
+        let opened = planned.and_then(|()| self.open_outside());
+        let prepared = opened.and_then(|()| self.prepare_additions());
         match prepared.and_then(|()| self.replace_all()) {
             Ok(notes) => {
                 self.commit();
@@ -265,19 +352,31 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 self.update_steps.push((index, act));
                 Ok(())
             }
-            Change::Replace { component, by } => {
-                let index = self.run.index_of(component)?;
-                if self.staged(index).is_some() {
-                    return Err(ChangeError::Replacement {
-                        component: component.clone(),
-                        reason: "the same change adds it".to_owned(),
-                    });
-                }
-                self.replacements.push((index, by.clone()));
-                Ok(())
+            Change::Publish { output, topic } => {
+                let output = self.run.end(output, outputs)?;
+                self.publish(output, topic)
             }
+            Change::Unpublish { output, topic } => {
+                let output = self.run.end(output, outputs)?;
+                Ok(self.unpublish(&output, topic)?)
+            }
+            Change::Subscribe {
+                input,
+                topic,
+                policy,
+            } => {
+                let input = self.run.end(input, inputs)?;
+                self.subscribe(topic, input, policy)
+            }
+            Change::Unsubscribe { input, topic } => {
+                let input = self.run.end(input, inputs)?;
+                Ok(self.unsubscribe(&input, topic)?)
+            }
+            Change::Replace { component, by } => self.replacement(component, by),
             Change::Remove { component } => self.remove(component),
             Change::Add { component, by } => self.add(component, by),
+            Change::Join(outer) => self.join(outer),
+            Change::Part(outer) => self.part(outer),
         }
     }
 
@@ -298,13 +397,17 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         Ok(())
     }
 
-    /// Plans a connection of a publisher to a subscriber of a topic.
+    /// Plans a connection of a publisher to a subscriber of a topic, unless an adapter connects them.
     pub(super) fn connect_by_topic(
         &mut self,
         from: &ComponentEnd,
         to: &ComponentEnd,
         policy: &Policy,
     ) -> Result<(), BuildError> {
+        let (connections, _) = self.run.connections();
+        if connections.topics_outside {
+            return self.compare(from, to);
+        }
         let connection = self.open_connection(from, to, policy)?;
         let (connections, _) = self.run.connections();
         connections.insert_by_topic(connection, from.clone(), to.clone());
@@ -319,11 +422,9 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         to: &ComponentEnd,
         policy: &Policy,
     ) -> Result<ConnectionId, BuildError> {
+        self.compare(from, to)?;
         let (connections, descriptors) = self.run.connections();
         let [writer, reader] = [&descriptors[from.unit], &descriptors[to.unit]];
-        let written = &writer.declaration.outputs[from.index].schema;
-        let taken = &reader.declaration.inputs[to.index].schema;
-        BuildError::compare(written, &from.name, taken, &to.name)?;
         let threads = [writer.thread, reader.thread];
         let opener = &reader.openers[to.index];
         let connection = connections.open((from, to), threads, policy, &**opener)?;
@@ -334,6 +435,14 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         let act = connect_output(end, connection.sender, connection.link, policy.init);
         self.update_steps.push((from.unit, act));
         Ok(connection.connection)
+    }
+
+    /// Compares the types of an output and an input.
+    fn compare(&self, from: &ComponentEnd, to: &ComponentEnd) -> Result<(), BuildError> {
+        let descriptors = self.run.descriptors();
+        let written = &descriptors[from.unit].declaration.outputs[from.index].schema;
+        let taken = &descriptors[to.unit].declaration.inputs[to.index].schema;
+        BuildError::compare(written, &from.name, taken, &to.name)
     }
 
     /// Plans the removal of a connection.
@@ -365,31 +474,10 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         self.undo_steps.push(UndoStep::Restore(removed));
     }
 
-    /// The topics within the system; none if adapters connect them.
-    pub(super) fn topics(&mut self) -> &mut [SystemTopic] {
-        let (connections, _) = self.run.connections();
-        connections.topics.as_deref_mut().unwrap_or_default()
-    }
-
-    /// Remembers the topics before a change.
-    pub(super) fn save_topics(&mut self) {
-        let topics = self.topics().to_vec();
-        self.undo_steps.push(UndoStep::Topics(topics));
-    }
-
     fn wire(&mut self, reference: &str, service: &str, wire: Wire) -> Result<(), ChangeError> {
         let from = self.run.end(reference, references)?;
         let to = self.run.end(service, services)?;
-        let wires = self.wires(&from);
-        let in_the_way = |(name, other): &&(String, Wire)| {
-            let are_told = other.one_way && wire.one_way;
-            *name == to.name || other.alternative == wire.alternative && !are_told
-        };
-        if let Some((taken, _)) = wires.iter().find(in_the_way) {
-            let (end, to) = (from.name, format!("`{taken}`"));
-            return Err(BuildError::AlreadyConnected { end, to }.into());
-        }
-        wires.push((to.name.clone(), wire));
+        self.add_wire(&from, &to.name, wire)?;
         let descriptors = self.run.descriptors();
         let required = &descriptors[from.unit].declaration.references[from.index];
         let provided = &descriptors[to.unit].declaration.services[to.index];
@@ -406,7 +494,27 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         Ok(())
     }
 
-    fn unwire(&mut self, reference: &str, service: &str) -> Result<(), ChangeError> {
+    /// Records a service of a reference, if the reference can have it too.
+    pub(super) fn add_wire(
+        &mut self,
+        from: &ComponentEnd,
+        to: &str,
+        wire: Wire,
+    ) -> Result<(), BuildError> {
+        let wires = self.wires(from);
+        let in_the_way = |(name, other): &&(String, Wire)| {
+            let are_told = other.one_way && wire.one_way;
+            name == to || other.alternative == wire.alternative && !are_told
+        };
+        if let Some((taken, _)) = wires.iter().find(in_the_way) {
+            let (end, to) = (from.name.clone(), format!("`{taken}`"));
+            return Err(BuildError::AlreadyConnected { end, to });
+        }
+        wires.push((to.to_owned(), wire));
+        Ok(())
+    }
+
+    pub(super) fn unwire(&mut self, reference: &str, service: &str) -> Result<(), ChangeError> {
         let from = self.run.end(reference, references)?;
         let wires = self.wires(&from);
         let Some(index) = wires.iter().position(|(name, _)| name == service) else {
@@ -455,6 +563,7 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         self.submit_all(attach_steps);
         let update_steps = std::mem::take(&mut self.update_steps);
         self.submit_all(update_steps);
+        self.close_outside();
         self.stop_removals();
         let mut detach_steps = std::mem::take(&mut self.detach_steps);
         detach_steps.retain(|step| !step.writer.is_some_and(|writer| self.is_removed(writer)));
@@ -462,6 +571,8 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
         self.submit_all(detach_steps.collect());
         self.vacate_removals();
         self.adopt_additions();
+        self.follow_injections();
+        self.begin_outside();
     }
 
     /// Submits the steps of each component together; those of components that are removed have no effect.
@@ -490,10 +601,13 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                     drop(connections.remove_by_topic(|known, _, _| known == connection));
                 }
                 UndoStep::Restore(removed) => connections.reinsert(removed),
-                UndoStep::Topics(before) => {
-                    if let Some(topics) = &mut connections.topics {
-                        *topics = before;
-                    }
+                UndoStep::Topics(before) => connections.topics = before,
+                UndoStep::Unextend(component, (inputs, outputs)) => {
+                    let descriptor = &mut self.run.descriptors_mut()[component];
+                    let declaration = Arc::make_mut(&mut descriptor.declaration);
+                    declaration.inputs.truncate(inputs);
+                    declaration.outputs.truncate(outputs);
+                    descriptor.openers.truncate(inputs);
                 }
                 UndoStep::Rewire(unit, reference, before) => {
                     self.run.descriptors_mut()[unit].wired[reference] = before;

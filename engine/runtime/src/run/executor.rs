@@ -91,6 +91,9 @@ pub(crate) trait Executor {
     /// Longest wait for a component whose cycle is under way, if it is only to be inspected.
     fn inspect_timeout(&self) -> Duration;
 
+    /// Returns whether components run in several threads.
+    fn has_threads(&self) -> bool;
+
     /// Runs a function on a component between two of its cycles, without waiting for it.
     fn submit(&mut self, component: usize, act: Act);
 
@@ -219,7 +222,7 @@ pub(crate) trait Executor {
     ) -> Result<ComponentEnd, BuildError> {
         let descriptors = self.descriptors().iter();
         find(
-            descriptors.map(|descriptor| (&*descriptor.name, &descriptor.declaration)),
+            descriptors.map(|descriptor| (&*descriptor.name, &*descriptor.declaration)),
             path,
             table,
         )

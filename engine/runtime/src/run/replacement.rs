@@ -6,12 +6,15 @@ use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use asmotion_component::{Component, Declaration, Fault, Interface, InterfaceParts};
-use asmotion_port::Time;
+use asmotion_port::{Policy, Time};
 
-use super::change::{ChangeError, ChangePlan};
+use super::change::{ChangeError, ChangePlan, UndoStep};
 use super::executor::{Act, Executor, busy};
+use crate::added_ports::AddedPorts;
+use crate::component_end::ComponentEnd;
 use crate::component_unit::{ComponentUnit, NewComponent};
 use crate::effects::Effects;
+use crate::injection::WAITING;
 
 /// The constructor of a component that replaces a running one, and the description of what is new.
 #[derive(Clone)]
@@ -36,24 +39,34 @@ impl Replacement {
         }
     }
 
-    /// Constructs the component and compares its declaration with that of the running one.
+    /// Constructs the component and compares its declaration with that of the running one, to which it can add ports.
     fn make(&self, running: &Declaration) -> Result<NewComponent, String> {
-        let mut interface = Interface::new();
+        let mut interface = Interface::following(running);
         let component = (self.construct)(&mut interface)?;
         if let Some(problem) = interface.problems().first() {
             return Err(problem.to_string());
         }
         let InterfaceParts {
             owner,
-            declaration,
+            mut declaration,
+            mut inputs,
+            mut outputs,
             provided,
             required,
             handlers,
             ..
         } = interface.into_parts();
+        let (known_inputs, known_outputs) = (running.inputs.len(), running.outputs.len());
+        let added = AddedPorts {
+            inputs: inputs.split_off(known_inputs),
+            outputs: outputs.split_off(known_outputs),
+            declared_inputs: declaration.inputs.split_off(known_inputs),
+            declared_outputs: declaration.outputs.split_off(known_outputs),
+        };
         if without_safe_samples(&declaration) != without_safe_samples(running) {
             return Err(
-                "it uses other ports, services or operations, which needs a new start".to_owned(),
+                "it uses other services, operations or message types, which needs a new start"
+                    .to_owned(),
             );
         }
         if handlers.iter().flatten().any(Option::is_some) {
@@ -65,6 +78,8 @@ impl Replacement {
             owner,
             provided,
             required,
+            added,
+            ports: None,
         })
     }
 }
@@ -100,6 +115,64 @@ impl PartialEq for Replacement {
 }
 
 impl<E: Executor> ChangePlan<'_, E> {
+    /// Plans a replacement. The ports that the new component has in addition are in the tables from now on, so that later changes
+    /// can connect them.
+    pub(super) fn replacement(
+        &mut self,
+        component: &str,
+        by: &Replacement,
+    ) -> Result<(), ChangeError> {
+        let index = self.run.index_of(component)?;
+        if self.staged(index).is_some() {
+            return Err(ChangeError::Replacement {
+                component: component.to_owned(),
+                reason: "the same change adds it".to_owned(),
+            });
+        }
+        let NewComponent { added, .. } = self.make(index, by)?;
+        self.replacements.push((index, by.clone()));
+        if !added.is_empty() {
+            self.extend(index, added);
+        }
+        Ok(())
+    }
+
+    fn extend(&mut self, component: usize, added: AddedPorts) {
+        let descriptor = &mut self.run.descriptors_mut()[component];
+        let declared = Arc::make_mut(&mut descriptor.declaration);
+        let ports = (declared.inputs.len(), declared.outputs.len());
+        declared.inputs.extend_from_slice(&added.declared_inputs);
+        declared.outputs.extend_from_slice(&added.declared_outputs);
+        let openers = added.inputs.iter().map(|input| input.opener());
+        descriptor.openers.extend(openers);
+        let name = Arc::clone(&descriptor.name);
+        self.undo_steps.push(UndoStep::Unextend(component, ports));
+        let inputs = added.declared_inputs.iter().enumerate();
+        let ends = inputs.map(|(index, input)| ComponentEnd {
+            name: format!("{name}.{}", input.name),
+            unit: component,
+            index: ports.0 + index,
+        });
+        for end in ends.collect::<Vec<_>>() {
+            self.inject_into(&end);
+        }
+        self.extensions.push((component, added));
+    }
+
+    /// Opens a connection from outside into a new input, as all others have one.
+    fn inject_into(&mut self, end: &ComponentEnd) {
+        // without zeros, no policy that asks for them can be refused
+        let Ok((port, reading_end)) = self.injection(end, &Policy::buffer(WAITING)) else {
+            return;
+        };
+        let index = end.index;
+        let act: Act = Box::new(move |unit, _, _| {
+            unit.body.inputs[index].connect(reading_end.undeclared());
+        });
+        self.attach_steps.push((end.unit, act));
+        self.injections.push(port);
+    }
+
     /// Checks whether the new components can take over now. Returns their notes.
     pub(super) fn check_replacements(&mut self) -> Result<Vec<String>, ChangeError> {
         let mut notes = Vec::new();
@@ -120,7 +193,12 @@ impl<E: Executor> ChangePlan<'_, E> {
         }
         let (mut notes, mut replaced) = (Vec::new(), Vec::new());
         for (component, by) in &self.replacements.clone() {
-            let exchanged = self.make(*component, by).and_then(|new| {
+            let exchanged = self.make(*component, by).and_then(|mut new| {
+                // later changes connect these ports, not those of another construction
+                let planned = self.extensions.iter().position(|(it, _)| it == component);
+                if let Some(planned) = planned {
+                    (_, new.added) = self.extensions.swap_remove(planned);
+                }
                 self.on_unit(*component, move |unit, now, effects| {
                     unit.replace(new, now, effects)
                 })

@@ -6,7 +6,8 @@ use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use asmotion_component::{
-    CallError, Declaration, Fault, LifeCycleError, Losses, Operation, SendStatus, State, Transition,
+    CallError, Declaration, Fault, LifeCycleError, Losses, Operation, SendStatus, State, ThreadUse,
+    Transition,
 };
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_port::{AnyInput, InputPort, OpenError, OutputLink, Policy, PortSender, Time};
@@ -316,6 +317,11 @@ impl<E: Executor> Run for E {
         descriptor.map_or(Duration::ZERO, |descriptor| descriptor.status.period())
     }
 
+    fn thread_use(&self, component: &str) -> Option<ThreadUse> {
+        let descriptor = self.descriptor(component)?;
+        self.has_threads().then_some(descriptor.thread_use)
+    }
+
     fn overruns(&self, component: &str) -> u64 {
         let descriptor = self.descriptor(component);
         descriptor.map_or(0, |descriptor| {
@@ -350,6 +356,12 @@ impl<E: Executor> Run for E {
             .unwrap_or_default()
     }
 
+    fn refused_requests(&self, component: &str) -> Vec<u64> {
+        self.descriptor(component)
+            .map(|descriptor| descriptor.refused_requests().collect())
+            .unwrap_or_default()
+    }
+
     fn fault(&self, component: &str) -> Option<Fault> {
         self.descriptor(component)
             .and_then(|descriptor| descriptor.status.fault().clone())
@@ -357,7 +369,7 @@ impl<E: Executor> Run for E {
 
     fn declaration(&self, component: &str) -> Option<Declaration> {
         self.descriptor(component)
-            .map(|descriptor| descriptor.declaration.clone())
+            .map(|descriptor| Declaration::clone(&descriptor.declaration))
     }
 
     fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError> {

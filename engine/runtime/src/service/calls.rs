@@ -162,7 +162,7 @@ impl OutgoingCalls {
         call: &OutstandingCall,
         effects: &mut ComponentEffects<'_>,
     ) -> Result<(), CallError> {
-        emit_called(references, call, effects);
+        let (port, _) = emit_called(references, call, effects);
         let wiring = wiring_of(references, call.slot, call.alternative);
         let wiring = wiring.ok_or(CallError::Unavailable)?;
         let operation = wiring.operations.get(call.slot.operation);
@@ -171,7 +171,18 @@ impl OutgoingCalls {
         let mut request = request(call, operation, Some(reply_to), effects);
         let next = next_alternative(references, call.slot, call.alternative);
         request.awaits_provider = next.is_none();
-        wiring.send(request, effects)
+        let sent = wiring.send(request, effects);
+        if sent == Err(CallError::Unavailable) {
+            // the provider runs, and its queue is full
+            effects.emit(&Event::Dropped {
+                component: effects.name,
+                port,
+                to: &wiring.to,
+                total: wiring.queue.refused(),
+                reason: None,
+            });
+        }
+        sent
     }
 
     /// Cancels a call and notifies the provider. Does nothing if the call has ended.
@@ -231,7 +242,10 @@ impl OutgoingCalls {
             if let Some(index) = index {
                 let call = self.outstanding.remove(index);
                 match answer.result {
-                    Err(error) if error.is_without_provider() && !call.waits_for_retry => {
+                    Err(error)
+                        if (error.is_without_provider() || error == CallError::Timeout)
+                            && !call.waits_for_retry =>
+                    {
                         self.handle_failure(references, call, error, effects);
                     }
                     result => self.end(references, &call, result, effects),

@@ -108,7 +108,7 @@ pub(crate) struct CallAnswer {
 /// Replies that wait for their caller. Providers on any thread push them; the caller's thread pops them.
 pub(crate) struct ReplyQueue {
     /// Created by the caller, at the latest with its first call: a component without references has none.
-    queue: OnceLock<ArrayQueue<CallAnswer>>,
+    queue: OnceLock<Box<ArrayQueue<CallAnswer>>>,
     /// Position of the caller in the system.
     component: usize,
 }
@@ -124,7 +124,8 @@ impl ReplyQueue {
 
     /// The replies that wait.
     pub(super) fn queue(&self) -> &ArrayQueue<CallAnswer> {
-        self.queue.get_or_init(|| ArrayQueue::new(UNDER_WAY))
+        let make = || Box::new(ArrayQueue::new(UNDER_WAY));
+        self.queue.get_or_init(make)
     }
 
     /// Pushes a reply. If the queue is full, the reply is dropped and the call ends at its deadline.

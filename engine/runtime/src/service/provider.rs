@@ -3,7 +3,7 @@
 mod freeze;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
 use asmotion_component::declaration::ServiceDeclaration;
 use asmotion_component::{CallError, Handler, RequestId, ServiceFault, guarded};
@@ -55,6 +55,9 @@ pub struct RequestQueue {
     handlers: Vec<Option<Handler>>,
     /// Whether the component answers the operation while it is stopped, by position of the operation.
     while_stopped: Vec<bool>,
+    /// Number of requests refused because the queue was full. Incremented by callers on any thread; independent of the queue,
+    /// so it is `Relaxed`.
+    refused: AtomicU64,
 }
 
 impl RequestQueue {
@@ -66,6 +69,7 @@ impl RequestQueue {
             notifier: None,
             handlers,
             while_stopped: operations.map(|it| it.while_stopped).collect(),
+            refused: AtomicU64::new(0),
         })
     }
 
@@ -77,6 +81,7 @@ impl RequestQueue {
             notifier: Some(notifier),
             handlers: Vec::new(),
             while_stopped: Vec::new(),
+            refused: AtomicU64::new(0),
         })
     }
 
@@ -135,6 +140,20 @@ impl RequestQueue {
         self.while_stopped.get(operation) == Some(&true)
     }
 
+    /// The number of requests refused because a queue of the service was full.
+    pub fn refused(&self) -> u64 {
+        self.refused.load(Ordering::Relaxed)
+    }
+
+    /// Counts requests that were refused because a queue of the service was full: this one, or one on the way to it.
+    pub fn add_refused(&self, count: u64) {
+        self.refused.fetch_add(count, Ordering::Relaxed);
+    }
+
+    pub(crate) fn set_refused(&self, count: u64) {
+        self.refused.store(count, Ordering::Relaxed);
+    }
+
     /// Queues a message for the provider's next cycle.
     pub(crate) fn push(&self, message: ProviderMessage) -> Result<(), CallError> {
         let refused = match &message {
@@ -146,9 +165,12 @@ impl RequestQueue {
         if let Some(error) = refused {
             return Err(error);
         }
-        self.queue
-            .push(message)
-            .map_err(|_| CallError::Unavailable)?;
+        if let Err(message) = self.queue.push(message) {
+            if let ProviderMessage::Request(_) = message {
+                self.add_refused(1);
+            }
+            return Err(CallError::Unavailable);
+        }
         if let Some(notifier) = &self.notifier {
             notifier.notify();
         }

@@ -140,7 +140,7 @@ impl Simulation {
     }
 
     fn restore(&mut self, state: &FrozenSimulation) -> Result<(), SystemThawError> {
-        let declarations = self.units.iter().map(|unit| &unit.body.declaration);
+        let declarations = self.units.iter().map(|unit| &*unit.body.declaration);
         let context = ThawContext {
             names: SampleNames::of(declarations),
             reply_queues: self

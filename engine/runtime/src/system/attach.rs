@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asmotion_component::Wire;
 use asmotion_component::declaration::{ReferenceDeclaration, ServiceDeclaration};
 use asmotion_datum::Schema;
-use asmotion_port::{AnySender, Notifier, OutputLink, Policy};
+use asmotion_port::{AnySender, ConnectionId, Notifier, OutputLink, Policy};
 
 use super::ComponentId;
 use super::System;
@@ -13,7 +13,9 @@ use crate::adapter::Adapter;
 use crate::build_error::BuildError;
 use crate::cause::CycleCause;
 use crate::component_end::{ComponentEnd, outputs, references, services};
+use crate::connections::HeldEnd;
 use crate::injection::{InjectionPort, InjectionPorts};
+use crate::opened_end::OpenedEnd;
 use crate::service::{RequestQueue, Wiring};
 use crate::topic::SystemTopic;
 
@@ -104,6 +106,24 @@ impl System {
     ) {
         let unit = &mut self.units[output.unit];
         unit.body.outputs[output.index].connect(sender, OutputLink::external(to));
+    }
+
+    /// Keeps what an adapter has opened for an end, with the name of the end outside and the connection into an input. It is
+    /// dropped when the end is [parted](crate::Change::Part) or its component is removed.
+    pub fn hold_end(
+        &mut self,
+        end: &ComponentEnd,
+        outside: String,
+        connection: Option<ConnectionId>,
+        opened: Box<dyn OpenedEnd>,
+    ) {
+        let end = end.clone();
+        self.connections.outer_ends.push(HeldEnd {
+            end,
+            outside,
+            connection,
+            opened,
+        });
     }
 
     /// Opens a connection from outside into an input. Returns `None` if the policy asks for zeros that the type does

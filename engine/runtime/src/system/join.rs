@@ -276,12 +276,12 @@ impl System {
     ) -> Result<ComponentEnd, BuildError> {
         let (component, _) = component_end::split(path);
         if let Some(ComponentId(unit)) = self.id(component) {
-            let declaration = &self.units[unit].body.declaration;
+            let declaration = &*self.units[unit].body.declaration;
             return component_end::find_in((unit, declaration), path, table);
         }
         let units = self.units.iter();
         component_end::find(
-            units.map(|unit| (&*unit.name, &unit.body.declaration)),
+            units.map(|unit| (&*unit.name, &*unit.body.declaration)),
             path,
             table,
         )

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::thread::ThreadId;
 
-use asmotion_component::{Activity, Component, Interface, Scheduler, Span};
+use asmotion_component::{Activity, Component, Interface, Scheduler, Span, ThreadUse};
 use asmotion_runtime::{BuildError, Log, Run, System};
 
 use crate::common::{behaviour, in_real_time};
@@ -31,8 +31,8 @@ fn household(cycles: &Cycles) -> System {
     for (name, activity) in [
         ("Grandchild", Activity::event()),
         ("Child", Activity::periodic(1.ms())),
-        ("Master", Activity::periodic(10.ms())),
-        ("Other", Activity::periodic(10.ms())),
+        ("Master", Activity::periodic(10.ms()).thread(ThreadUse::Own)),
+        ("Other", Activity::periodic(10.ms()).thread(ThreadUse::Own)),
     ] {
         system.add(name, activity, noting(name, cycles)).unwrap();
     }

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion_component::{
-    Activity, CallError, CallId, Component, Interface, SendStatus, ServiceFault, Span, State, Wire,
+    Activity, CallError, CallId, Component, Interface, SendStatus, ServiceFault, Span, State,
+    ThreadUse, Wire,
 };
 use asmotion_runtime::{Run, System};
 
@@ -53,7 +54,11 @@ fn calling(
 ) -> System {
     let mut system = System::new();
     system
-        .add("Caller", Activity::periodic(10.ms()), sender(seen))
+        .add(
+            "Caller",
+            Activity::periodic(10.ms()).thread(ThreadUse::Own),
+            sender(seen),
+        )
         .unwrap();
     system.add("Doubler", provider, construct).unwrap();
     system

@@ -153,6 +153,7 @@ impl Exporter<'_> {
                 || pace.scheduler.is_some()
                 || pace.priority.is_some()
                 || !pace.cpu.is_empty()
+                || pace.thread.is_some()
                 || pace.deadline_ms.is_some()
                 || pace.on_deadline.is_some()
                 || pace.master.is_some()

@@ -93,8 +93,6 @@ impl EnvironmentWriter<'_> {
                 .declare("", format!("controlled {state}: Calls_{state}"));
             self.glue
                 .start(&state, &format!("NO_{}", state.to_uppercase()));
-            // a later update cancels the call
-            rules.push(format!("{state} := NO_{}", state.to_uppercase()));
             if at == 0 {
                 if has_queue(actor, output) {
                     self.glue.declare(
@@ -115,8 +113,15 @@ impl EnvironmentWriter<'_> {
         let mut branches = Vec::new();
         for (literal, actions) in cases {
             let mut effects = Vec::new();
+            // an update to a value with an action cancels the call
+            let is_call = |action: &Action| matches!(action, Action::Call(_));
+            if !calls.is_empty() && !actions.is_empty() && !actions.iter().any(is_call) {
+                let state = call_state(actor, output);
+                effects.push(format!("{state} := NO_{}", state.to_uppercase()));
+            }
             for action in actions {
                 match action {
+                    Action::Cancel(_) => {}
                     Action::Call(call) => {
                         let made = calls.iter().find(|it| std::ptr::eq(it.call, call));
                         if let Some(made) = made {
@@ -187,7 +192,7 @@ pub(super) fn calls<'a>(actor: &Actor, output: &'a ActorOutput) -> Vec<LocationC
     let calls = cases.iter().flat_map(|(literal, actions)| {
         let calls = actions.iter().filter_map(|action| match action {
             Action::Call(call) => Some(call),
-            Action::Publish { .. } => None,
+            Action::Publish { .. } | Action::Cancel(_) => None,
         });
         calls
             .enumerate()

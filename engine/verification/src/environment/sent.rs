@@ -5,7 +5,7 @@ use super::calls::{call_state, calls, emptied, shifted};
 use crate::actor::{Actor, ActorInput, ActorOutput, InputOrigin, OutputEffect, word};
 use crate::error::ModelError;
 use crate::glue::{parameters, sequence};
-use crate::message::{SentMessage, TakenValue};
+use crate::message::{SentMessage, SentValue, TakenValue};
 use asmotion_coordinator::{PublishWhen, Receive};
 use asmotion_plan::{End, InputQueue};
 use std::collections::BTreeSet;
@@ -26,25 +26,18 @@ impl EnvironmentWriter<'_> {
                 calling.map(|output| format!("renewed_{} := false", call_state(actor, output))),
             );
         }
-        for output in &actor.outputs {
-            let (function, x) = (&output.function, &output.location);
-            let arguments = x.strip_prefix(function.as_str()).unwrap_or_default();
-            let given = format!("given_{function}{arguments}");
-            let mut when = PublishWhen::OnUpdate;
+        for (index, output) in actor.outputs.iter().enumerate() {
+            let x = &output.location;
+            let message = message_outputs(actor, index);
             let effect = match &output.effect {
-                OutputEffect::Publish {
-                    port,
-                    field,
-                    key,
-                    when: at_steps,
-                } => {
-                    when = *at_steps;
-                    let message = SentMessage::Value {
+                // sent with the first output of the message
+                OutputEffect::Publish { .. } if message.first() != Some(&index) => Vec::new(),
+                OutputEffect::Publish { port, key, .. } => {
+                    let message = SentMessage::Values {
                         is_complete: !actor.is_protocol,
-                        field: field.as_deref(),
-                        term: x,
-                        codomain: &output.codomain,
+                        values: values(actor, &message),
                         key,
+                        contents: actor.own_messages.on(port),
                     };
                     self.publish(at, port, &message)?
                 }
@@ -53,12 +46,16 @@ impl EnvironmentWriter<'_> {
                     operation,
                     field,
                 } => {
-                    let message = SentMessage::Value {
-                        is_complete: !actor.is_protocol,
+                    let value = SentValue {
                         field: field.as_deref(),
                         term: x,
                         codomain: &output.codomain,
+                    };
+                    let message = SentMessage::Values {
+                        is_complete: !actor.is_protocol,
+                        values: vec![value],
                         key: &[],
+                        contents: &[],
                     };
                     self.request(at, reference, operation, &message)?
                 }
@@ -68,22 +65,42 @@ impl EnvironmentWriter<'_> {
             if effect.is_empty() {
                 continue;
             }
-            if when == PublishWhen::EveryStep {
-                rules.extend(effect);
-                continue;
-            }
-            self.declare_given(actor, output, when == PublishWhen::OnChange);
-            let mut given_effects = vec![format!("{given} := false")];
-            given_effects.extend(effect);
-            rules.push(format!(
-                "if {given} then {} endif",
-                sequence(&given_effects)
-            ));
+            self.effect(actor, &message, effect, &mut rules);
         }
         for output in &actor.outputs {
             rules.extend(self.silent_ends(actor, output));
         }
         Ok(rules)
+    }
+
+    /// The rules for the effect of an update of these outputs.
+    fn effect(
+        &mut self,
+        actor: &Actor,
+        message: &[usize],
+        effect: Vec<String>,
+        rules: &mut Vec<String>,
+    ) {
+        let outputs = message.iter().filter_map(|it| actor.outputs.get(*it));
+        let outputs: Vec<(&ActorOutput, PublishWhen)> = outputs.map(|it| (it, when(it))).collect();
+        if outputs.iter().any(|(_, it)| *it == PublishWhen::EveryStep) {
+            rules.extend(effect);
+            return;
+        }
+        let mut given = Vec::new();
+        for (output, when) in outputs {
+            self.declare_given(actor, output, when == PublishWhen::OnChange);
+            let (function, x) = (&output.function, &output.location);
+            let arguments = x.strip_prefix(function.as_str()).unwrap_or_default();
+            given.push(format!("given_{function}{arguments}"));
+        }
+        let forgotten = given.iter().map(|it| format!("{it} := false"));
+        let effects: Vec<String> = forgotten.chain(effect).collect();
+        rules.push(format!(
+            "if {} then {} endif",
+            given.join(" or "),
+            sequence(&effects)
+        ));
     }
 
     /// Declares that updates of an out function are noted.
@@ -263,6 +280,63 @@ impl EnvironmentWriter<'_> {
             input: input.location.clone(),
         })
     }
+}
+
+/// When the message of an output is sent.
+fn when(output: &ActorOutput) -> PublishWhen {
+    match &output.effect {
+        OutputEffect::Publish { when, .. } => *when,
+        OutputEffect::Send { .. } | OutputEffect::Reply { .. } | OutputEffect::Cases(_) => {
+            PublishWhen::OnUpdate
+        }
+    }
+}
+
+/// The outputs in whose message that at this position is sent: those of the same port and key with a field each.
+fn message_outputs(actor: &Actor, index: usize) -> Vec<usize> {
+    let target = |output: &ActorOutput| match &output.effect {
+        OutputEffect::Publish {
+            port,
+            field: Some(_),
+            key,
+            ..
+        } if !actor.is_protocol => Some((port.clone(), key.clone())),
+        OutputEffect::Publish { .. }
+        | OutputEffect::Send { .. }
+        | OutputEffect::Reply { .. }
+        | OutputEffect::Cases(_) => None,
+    };
+    let Some(wanted) = actor.outputs.get(index).and_then(target) else {
+        return vec![index];
+    };
+    let all = actor.outputs.iter().enumerate();
+    let same = all.filter(|(_, output)| target(output).as_ref() == Some(&wanted));
+    let same: Vec<usize> = same.map(|(at, _)| at).collect();
+    let mut fields: Vec<Option<&str>> = values(actor, &same).iter().map(|it| it.field).collect();
+    fields.sort_unstable();
+    fields.dedup();
+    // several values for one field are several messages
+    if fields.len() < same.len() {
+        return vec![index];
+    }
+    same
+}
+
+/// The values of outputs in a message.
+fn values<'a>(actor: &'a Actor, message: &[usize]) -> Vec<SentValue<'a>> {
+    let outputs = message.iter().filter_map(|it| actor.outputs.get(*it));
+    let value = |output: &'a ActorOutput| {
+        let field = match &output.effect {
+            OutputEffect::Publish { field, .. } => field.as_deref(),
+            OutputEffect::Send { .. } | OutputEffect::Reply { .. } | OutputEffect::Cases(_) => None,
+        };
+        SentValue {
+            field,
+            term: &output.location,
+            codomain: &output.codomain,
+        }
+    };
+    outputs.map(value).collect()
 }
 
 /// The rule that puts a value into a queue. If the queue is full, it drops the value, or the oldest one with further effects.

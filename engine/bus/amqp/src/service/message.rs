@@ -82,6 +82,21 @@ pub(crate) fn read_request(
     })
 }
 
+/// The codec of the reply to a request with this argument: the same one, as the caller reads it. CDR cannot be written without
+/// the schema of the response, which only the provider knows.
+pub(crate) fn reply_codec(argument: &Payload) -> Codec {
+    match argument {
+        Payload::Bytes {
+            codec: Codec::Json, ..
+        } => Codec::Json,
+        Payload::Bytes {
+            codec: Codec::Cbor | Codec::Cdr,
+            ..
+        }
+        | Payload::Sample(_) => Codec::Cbor,
+    }
+}
+
 /// A reply, encoded for sending. Kept in case the request arrives again.
 #[derive(Clone)]
 pub(crate) struct OutgoingReply {
@@ -92,9 +107,8 @@ pub(crate) struct OutgoingReply {
 }
 
 impl OutgoingReply {
-    /// The reply for this outcome; `None` if the caller knows it already.
-    pub(crate) fn of(end: Result<Payload, CallFailure>) -> Option<Self> {
-        let codec = Codec::Cbor;
+    /// The reply for this outcome, whose result has this codec; `None` if the caller knows it already.
+    pub(crate) fn of(end: Result<Payload, CallFailure>, codec: Codec) -> Option<Self> {
         let answer = |kind, code, bytes| Self {
             kind,
             code,

@@ -11,6 +11,7 @@ use amqprs::channel::{
     QueueBindArguments, QueueDeclareArguments,
 };
 use asmotion_bus::{AddressQueue, CallFailure, Notifier, PendingCall, Request};
+use asmotion_datum::Codec;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
@@ -67,10 +68,11 @@ impl RequestId {
 
 /// State of a request.
 enum RequestState {
-    /// Passed to the provider; the reply goes to `reply_to`.
+    /// Passed to the provider; the reply goes to `reply_to`, with the codec of the request.
     Running {
         pending: PendingCall,
         reply_to: String,
+        codec: Codec,
     },
     /// Not executed yet, because its caller may have given up; an enquiry shows that it still waits.
     Held {
@@ -264,7 +266,7 @@ impl ProviderTask {
         }
         match kind {
             wire::CANCEL => None,
-            wire::ENQUIRY => OutgoingReply::of(Err(CallFailure::Unavailable)),
+            wire::ENQUIRY => OutgoingReply::of(Err(CallFailure::Unavailable), Codec::default()),
             _ => match message::read_request(properties, content) {
                 Ok(request) => {
                     self.receive(id, request, kind == wire::TELLING, properties);
@@ -379,10 +381,15 @@ impl ProviderTask {
             // fails if the task has ended
             let _ = answering.send(answered.clone());
         });
+        let codec = message::reply_codec(&request.argument);
         let (pending, call) = PendingCall::new(request, Arc::new(notifier));
         let reply_to = reply_to.cloned().unwrap_or_default();
-        self.requests
-            .insert(id, RequestState::Running { pending, reply_to });
+        let running = RequestState::Running {
+            pending,
+            reply_to,
+            codec,
+        };
+        self.requests.insert(id, running);
         // if the queue rejects the request, it also replies
         let _ = self.setup.requests.push(call);
     }
@@ -390,13 +397,18 @@ impl ProviderTask {
     /// Sends the reply to a request, or forgets a cancelled one.
     async fn send_reply(&mut self, id: Option<RequestId>, replies: &Channel) -> AmqpResult<()> {
         let Some(id) = id else { return Ok(()) };
-        let Some(RequestState::Running { pending, reply_to }) = self.requests.get(&id) else {
+        let Some(RequestState::Running {
+            pending,
+            reply_to,
+            codec,
+        }) = self.requests.get(&id)
+        else {
             return Ok(());
         };
         let Some(end) = pending.try_take() else {
             return Ok(());
         };
-        let (answer, reply_to) = (OutgoingReply::of(end), reply_to.clone());
+        let (answer, reply_to) = (OutgoingReply::of(end, *codec), reply_to.clone());
         let deadline = pending.deadline();
         self.store_reply(id.clone(), answer.clone(), deadline);
         match answer {
@@ -468,8 +480,10 @@ impl ProviderTask {
         channel::delete(channel.clone(), &self.setup.queue).await;
         let known = std::mem::take(&mut self.requests);
         for (id, known) in known {
-            if let RequestState::Running { reply_to, .. } = known
-                && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable))
+            if let RequestState::Running {
+                reply_to, codec, ..
+            } = known
+                && let Some(answer) = OutgoingReply::of(Err(CallFailure::Unavailable), codec)
             {
                 // a caller that misses this message will ask, and find no provider
                 let _ = self.send(&answer, &id.id, &reply_to, replies).await;
@@ -479,10 +493,12 @@ impl ProviderTask {
 }
 
 fn refusal(code: &str, detail: String) -> Option<OutgoingReply> {
-    OutgoingReply::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
+    let refusal = asmotion_bus::Refusal {
         code: code.to_owned(),
         detail,
-    })))
+    };
+    // a refusal is plain text
+    OutgoingReply::of(Err(CallFailure::Refused(refusal)), Codec::default())
 }
 
 fn broken(word: Option<BrokerEvent>) -> ChannelError {

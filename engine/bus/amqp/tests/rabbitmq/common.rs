@@ -1,7 +1,8 @@
 //! Helpers shared by the tests.
 
 use std::num::NonZeroUsize;
-use std::sync::{Arc, Mutex};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
 
 use asmotion_amqp::{AmqpBus, AmqpSettings, BusNotice};
@@ -75,6 +76,23 @@ pub fn publisher(bus: &dyn Bus, topic: &str, sending: PublishOptions) -> Box<dyn
 
 pub fn number(n: i64) -> Payload {
     Payload::of(Datum::Int(n))
+}
+
+/// Counts the panics in the tasks of the AMQP client that serve channels, from the first call on.
+pub fn client_panics() -> usize {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    static COUNTED: Once = Once::new();
+    COUNTED.call_once(|| {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            let file = panic.location().map(std::panic::Location::file);
+            if file.is_some_and(|file| file.ends_with("channel/dispatcher.rs")) {
+                COUNT.fetch_add(1, Ordering::SeqCst);
+            }
+            before(panic);
+        }));
+    });
+    COUNT.load(Ordering::SeqCst)
 }
 
 /// All numbers received until there has been none for `silence`.

@@ -8,7 +8,8 @@ use asmotion_bus::{Bus, Notifier, Payload, PublishOptions, QueuePolicy, Request,
 use asmotion_datum::Datum;
 
 use crate::common::{
-    LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
+    LONG, all, client_panics, connect, events, eventually, noted, number, numbers, publisher,
+    settings, subscribe,
 };
 
 /// Time within which everything must work again, also on a loaded machine.
@@ -19,6 +20,7 @@ fn is_declared_again_and_no_event_of_the_stream_is_lost() {
     let Some(broker) = asmotion_broker::calm() else {
         return;
     };
+    let before = client_panics();
     let vhost = broker.vhost().unwrap();
     let (writing, writer_notices) = noted(&vhost.url());
     let writer = connect(writing);
@@ -71,6 +73,7 @@ fn is_declared_again_and_no_event_of_the_stream_is_lost() {
         let refused = |notice: &BusNotice| matches!(notice, BusNotice::Refused { .. });
         assert!(!notices.iter().any(refused), "{notices:?}");
     }
+    assert_eq!(client_panics(), before, "the client has panicked");
 }
 
 fn is_deletion(notice: &BusNotice) -> bool {

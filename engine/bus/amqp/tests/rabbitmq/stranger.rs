@@ -9,7 +9,8 @@ use amqprs::connection::Connection;
 use amqprs::{BasicProperties, FieldTable, FieldValue};
 use asmotion_amqp::{AmqpBus, BusNotice};
 use asmotion_broker::TestBroker;
-use asmotion_bus::{Bus, Notifier, ServedAddress};
+use asmotion_bus::{Bus, Notifier, Payload, ServedAddress};
+use asmotion_datum::Datum;
 use std::sync::Arc;
 use tokio::runtime::Runtime;
 
@@ -73,11 +74,17 @@ impl Stranger {
         self.publish("robots.services", "planner.plan", properties);
     }
 
-    fn reply(&mut self) -> Option<(String, String)> {
+    /// The properties and the content of the next reply.
+    fn whole_reply(&mut self) -> Option<(BasicProperties, Vec<u8>)> {
         let replies = &mut self.replies;
         let next = async { tokio::time::timeout(Duration::from_secs(2), replies.recv()).await };
         let message = self.runtime.block_on(next).ok().flatten()?;
-        let properties = message.basic_properties.unwrap();
+        Some((message.basic_properties?, message.content?))
+    }
+
+    /// The id of the request and the kind of the next reply.
+    fn reply(&mut self) -> Option<(String, String)> {
+        let (properties, _) = self.whole_reply()?;
         let text = |text: Option<&String>| text.cloned().unwrap_or_default();
         Some((
             text(properties.correlation_id()),
@@ -203,6 +210,37 @@ fn the_requests_of_one_user_are_its_own() {
     assert_eq!(robot.reply(), Some(("r.1".to_owned(), "result".to_owned())));
 }
 
+/// A caller that writes JSON reads JSON.
+#[test]
+fn a_result_has_the_content_type_of_its_request() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let serving = serve(&bus);
+    let mut caller = Stranger::new(&broker, vhost.name(), broker.user(), broker.password());
+    for (content_type, content) in [
+        ("application/json", &b"1.5"[..]),
+        ("application/cbor", b"\xfb\x3f\xf8\0\0\0\0\0\0"),
+    ] {
+        let properties = BasicProperties::default()
+            .with_content_type(content_type)
+            .with_message_type("request")
+            .with_message_id(content_type)
+            .with_correlation_id(content_type)
+            .with_reply_to("amq.rabbitmq.reply-to")
+            .finish();
+        caller.publish("robots.services", "planner.plan", properties);
+        let request = serving.next_within(LONG).unwrap();
+        request.reply(Ok(Payload::of(Datum::Float(1.5))));
+        let (properties, found) = caller.whole_reply().unwrap();
+        let expected = content_type.to_owned();
+        assert_eq!(properties.content_type(), Some(&expected));
+        assert_eq!(found, content, "{content_type}");
+    }
+}
+
 /// A caller whose clock is ten seconds behind: its requests seem to be late.
 #[test]
 fn a_caller_with_another_clock_is_served_and_reported() {
@@ -310,11 +348,11 @@ fn remembered_replies_are_bounded() {
     let bus = connect(settings(&vhost.url()));
     let serving = serve(&bus);
     let mut caller = Stranger::new(&broker, vhost.name(), broker.user(), broker.password());
-    let large = asmotion_datum::Datum::Bytes(vec![0; 1 << 20].into());
+    let large = Datum::Bytes(vec![0; 1 << 20].into());
     for n in 0..12 {
         caller.request("request", &format!("large-{n}"), -4);
         let request = serving.next_within(LONG).unwrap();
-        request.reply(Ok(asmotion_bus::Payload::of(large.clone())));
+        request.reply(Ok(Payload::of(large.clone())));
         assert_eq!(caller.reply().unwrap().1, "result");
     }
     for (n, expected) in [(11, "result"), (0, "refusal")] {

@@ -9,10 +9,10 @@ use asmotion_component::{
     Wire,
 };
 use asmotion_datum::{Codec, Datum};
-use asmotion_network::Network;
-use asmotion_runtime::{Event, Run, System};
+use asmotion_network::{Network, OuterName};
+use asmotion_runtime::{Change, ComponentAddition, Event, Run, System};
 
-use crate::common::{LONG, all, connect, events, eventually, settings, subscribe};
+use crate::common::{LONG, all, connect, events, eventually, is_down, settings, subscribe};
 
 asmotion_datum::message! {
     /// A count.
@@ -361,4 +361,56 @@ fn events_between_two_systems_outlive_the_broker() {
     drop(on_board);
     let counted: Vec<_> = (1..=i64::try_from(heard.len()).unwrap()).collect();
     assert_eq!(heard, counted, "none lost, none twice, in order");
+}
+
+#[test]
+fn ends_that_are_joined_or_parted_while_the_broker_is_away_are_so_when_it_is_back() {
+    let Some(broker) = asmotion_broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let _there = counting(&vhost.url(), events()).live();
+    let mut system = System::new();
+    let bus = Arc::new(connect(settings(&vhost.url())));
+    let mut network = Network::new();
+    let attached: Arc<dyn asmotion_bus::Bus> = bus.clone();
+    network.attach(&mut system, attached, 2).unwrap();
+    let running = network.running();
+    let mut run = system.live();
+    let is_away = || {
+        broker.kill().unwrap();
+        eventually("it is away", || is_down(&bus));
+    };
+    let has_queue = || {
+        let queues = vhost.queues().unwrap();
+        queues.iter().any(|it| it.contains("Late"))
+    };
+
+    is_away();
+    let name = OuterName {
+        id: "Late",
+        bus: None,
+    };
+    let end = running.subscribe(name, "counts", "Late.in", Policy::buffer(1000));
+    let teller = |interface: &mut asmotion_component::Interface| {
+        let teller = Teller(interface.input("in", "counts"));
+        Ok(Box::new(teller) as Box<dyn Component>)
+    };
+    let by = ComponentAddition::new("a teller", Activity::event(), teller).joined(end.unwrap());
+    let component = "Late".to_owned();
+    run.change(&[Change::Add { component, by }]).unwrap();
+    broker.revive().unwrap();
+    let limit = run.now() + LONG;
+    let mut hears =
+        |_: Time, event: &Event<'_>| matches!(event, Event::Report { kind: "heard", .. });
+    assert!(run.run_until_event(limit, &mut hears));
+    assert!(has_queue());
+
+    is_away();
+    let component = "Late".to_owned();
+    run.change(&[Change::Remove { component }]).unwrap();
+    broker.revive().unwrap();
+    // the queue has survived the broker
+    eventually("it is back", || !is_down(&bus));
+    eventually("the queue is gone", || !has_queue());
 }

@@ -1,5 +1,8 @@
 //! Checks the actions triggered by updates of out functions: calls and published messages.
 
+use std::borrow::Cow;
+
+use crate::codes::c048::IdleKey;
 use crate::codes::c091::WrongFunctionKind;
 use asmotion_datum::Schema;
 use asmotion_diagnostics::{Report, Span};
@@ -27,6 +30,34 @@ pub(super) fn check(bound: &Bound<'_>, action: &Action, report: &mut Report) {
             let kind = function::output(bound, port, report).and_then(|port| port.kind.as_ref());
             let schema = kind.and_then(|kind| bound.scene.types.schema(&kind.text));
             argument::check(bound, port, value, schema.as_ref(), report);
+        }
+        Action::Cancel(_) => {}
+    }
+}
+
+/// Reports the keys `cancel` without an effect among the actions of the values of an out function.
+pub(super) fn idle_cancels(cases: &[(At<String>, Vec<Action>)], report: &mut Report) {
+    let mut actions = cases.iter().flat_map(|(_, actions)| actions);
+    let makes_calls = actions.any(|action| matches!(action, Action::Call(_)));
+    for (_, actions) in cases {
+        for action in actions {
+            let Action::Cancel(cancel) = action else {
+                continue;
+            };
+            let reason = if !cancel.value {
+                "an update to a value without an action cancels no call"
+            } else if !makes_calls {
+                "no value of this function makes a call"
+            } else if actions.len() > 1 {
+                "the other actions of this value cancel the call already"
+            } else {
+                continue;
+            };
+            report.found(IdleKey {
+                key: Cow::Borrowed("cancel"),
+                at: cancel.span,
+                reason,
+            });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Compares the locations of a specification with those that the composite binds.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_coordinator::LocationName;
 use asmotion_diagnostics::{Report, Span};
@@ -11,6 +11,7 @@ use crate::codes::c097::UnboundMonitored;
 use crate::codes::c098::UnboundOut;
 use crate::codes::c144::LocationBoundTwice;
 use crate::finding::Findings;
+use crate::nearest::nearest_name;
 use crate::pattern::{function_of, locations};
 use crate::signature::{FunctionInfo, FunctionKind, Signature};
 
@@ -27,6 +28,9 @@ pub(super) fn check(bound: &Bound<'_>, signature: &dyn Signature, file: Span, re
     let mut out = BoundSet::default();
     for binding in &bind.out {
         out.add(&binding.location, signature, report);
+    }
+    for (set, key) in [(&mut monitored, "monitored"), (&mut out, "out")] {
+        set.excuse(bound.scene.member.unread(key));
     }
     for function in signature.functions() {
         let at = file;
@@ -60,17 +64,29 @@ pub(super) fn check(bound: &Bound<'_>, signature: &dyn Signature, file: Span, re
 
 /// The bound locations, each with the place of its binding.
 #[derive(Default)]
-struct BoundSet(BTreeMap<String, Span>);
+struct BoundSet {
+    locations: BTreeMap<String, Span>,
+    /// Functions with a binding that is invalid, which is an error of its own.
+    excused: BTreeSet<String>,
+}
 
 impl BoundSet {
     /// Adds the locations of a binding; reports the first that is bound already.
     fn add(&mut self, location: &At<String>, signature: &dyn Signature, report: &mut Report) {
+        let name = LocationName::from(location.as_str());
+        if function_of(&name, signature).is_none() {
+            // the one that is meant
+            let all = signature.functions();
+            let known = all.iter().map(|it| it.name.as_str());
+            let meant = nearest_name(&name.function, known).map(|it| it.name);
+            self.excused.extend(meant);
+        }
         let mut twice = None;
         for name in covered(location, signature) {
-            match self.0.get(&name) {
+            match self.locations.get(&name) {
                 Some(first) => twice = twice.or(Some((name, *first))),
                 None => {
-                    self.0.insert(name, location.span);
+                    self.locations.insert(name, location.span);
                 }
             }
         }
@@ -86,21 +102,35 @@ impl BoundSet {
     /// Adds the location of an event, which may have a binding as well.
     fn complete(&mut self, event: &At<String>, signature: &dyn Signature) {
         for name in covered(event, signature) {
-            self.0.entry(name).or_insert(event.span);
+            self.locations.entry(name).or_insert(event.span);
         }
     }
 
+    /// Notes the locations of invalid bindings.
+    fn excuse<'n>(&mut self, locations: impl Iterator<Item = &'n str>) {
+        let functions = locations.map(|it| LocationName::from(it).function);
+        self.excused.extend(functions);
+    }
+
     /// Returns the locations of the function that are not bound: none in particular if all of them are not. `None` if
-    /// the function is bound.
+    /// the function is bound, or if the key of a binding has other arguments, which is an error of its own.
     fn missing(&self, function: &FunctionInfo) -> Option<Vec<String>> {
         let prefix = format!("{}(", function.name);
-        let mut names = self.0.keys();
-        let is_bound = |name: &String| *name == function.name || name.starts_with(&prefix);
-        if !names.any(is_bound) {
+        let is_bound = |name: &&String| **name == function.name || name.starts_with(&prefix);
+        if self.excused.contains(&function.name) {
+            return None;
+        }
+        let bound: Vec<&String> = self.locations.keys().filter(is_bound).collect();
+        if bound.is_empty() {
             return Some(Vec::new());
         }
         let all = locations(&function.pattern(), function)?;
-        let missing = all.into_iter().filter(|name| !self.0.contains_key(name));
+        if bound.iter().any(|name| !all.contains(name)) {
+            return None;
+        }
+        let missing = all
+            .into_iter()
+            .filter(|name| !self.locations.contains_key(name));
         let missing: Vec<_> = missing.collect();
         (!missing.is_empty()).then_some(missing)
     }

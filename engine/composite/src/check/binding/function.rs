@@ -262,6 +262,7 @@ pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
             }
         }
         Effect::Literals(cases) => {
+            action::idle_cancels(cases, report);
             for (literal, actions) in cases {
                 if let Some(function) = &function {
                     self::literal(function, literal, report);
@@ -615,21 +616,45 @@ fn value(function: &FunctionInfo, node: &Node, report: &mut Report) {
         literal(function, &At::new(text.clone(), node.span), report);
         return;
     }
-    if let Some((codomain, misfit)) = misfit(&function.codomain, node) {
+    if let Some(ConstantMisfit {
+        codomain,
+        found,
+        at,
+    }) = misfit(&function.codomain, node)
+    {
         report.found(WrongLiteralType {
             function: FunctionInfo {
                 codomain: codomain.clone(),
                 ..function.clone()
             },
-            found: described(&misfit.value),
-            at: misfit.span,
+            found,
+            at,
         });
     }
 }
 
-/// Returns the innermost part of a constant that does not fit, and its codomain.
-fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<(&'v Codomain, &'v Node)> {
+/// The innermost part of a constant that does not fit.
+struct ConstantMisfit<'v> {
+    /// Codomain to which it must belong.
+    codomain: &'v Codomain,
+    found: String,
+    at: Span,
+}
+
+fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<ConstantMisfit<'v>> {
     let fits = match (codomain, &node.value) {
+        (Codomain::Map { key, item, .. }, Branch::Table(table)) => {
+            return table.entries.iter().find_map(|entry| {
+                let name = &entry.key.value;
+                let is_known = name.contains("${") || is_key(key, name);
+                let wrong_key = (!is_known).then(|| ConstantMisfit {
+                    codomain: key,
+                    found: format!("the key `{name}`"),
+                    at: entry.key.span,
+                });
+                wrong_key.or_else(|| misfit(item, &entry.node))
+            });
+        }
         (Codomain::List { item, .. }, Branch::List(nodes)) => {
             return nodes.iter().find_map(|node| misfit(item, node));
         }
@@ -645,7 +670,7 @@ fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<(&'v Codomain, &
         | (Codomain::Integer, Branch::Integer(_))
         | (Codomain::Real, Branch::Integer(_) | Branch::Float(_))
         | (Codomain::Text | Codomain::Character | Codomain::Abstract(_), Branch::Text(_))
-        | (Codomain::Tuple { .. } | Codomain::Map { .. }, Branch::Table(_))
+        | (Codomain::Tuple { .. }, Branch::Table(_))
         | (Codomain::Other(_), _) => true,
         (
             Codomain::Boolean
@@ -661,7 +686,11 @@ fn misfit<'v>(codomain: &'v Codomain, node: &'v Node) -> Option<(&'v Codomain, &
             _,
         ) => false,
     };
-    (!fits).then_some((codomain, node))
+    (!fits).then(|| ConstantMisfit {
+        codomain,
+        found: described(&node.value),
+        at: node.span,
+    })
 }
 
 /// Describes a value that does not fit, a list with its length.

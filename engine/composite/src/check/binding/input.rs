@@ -62,7 +62,7 @@ impl BoundInput<'_> {
 }
 
 /// Origin of the values of a bound function.
-enum InputSource<'b> {
+pub(super) enum InputSource<'b> {
     /// A binding of its own.
     Binding(&'b Monitored),
     /// The outcome of a call.
@@ -70,7 +70,7 @@ enum InputSource<'b> {
 }
 
 /// Iterates over all bindings of monitored functions with their locations.
-fn sources(bind: &Bind) -> impl Iterator<Item = (&At<String>, InputSource<'_>)> {
+pub(super) fn sources(bind: &Bind) -> impl Iterator<Item = (&At<String>, InputSource<'_>)> {
     let bindings = bind.monitored.iter();
     let bindings = bindings.map(|it| (&it.location, InputSource::Binding(it)));
     let outcomes = bind

@@ -4,7 +4,9 @@ mod action;
 mod argument;
 mod coverage;
 mod function;
+mod idle;
 mod input;
+mod start;
 mod unused;
 
 use crate::codes::c101::OtherMainRule;
@@ -42,16 +44,22 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
             }
         }
         let mut found = Report::new();
-        for monitored in &part.bind.monitored {
+        // without the specification, the elements of a domain are unknown: its errors are reported instead
+        let is_pattern = |location: &str| signature.is_none() && location.contains('$');
+        let monitored = part.bind.monitored.iter();
+        for monitored in monitored.filter(|it| !is_pattern(&it.location)) {
             function::monitored(&bound, monitored, &mut found);
+            idle::check(monitored, &mut found);
         }
-        for out in &part.bind.out {
+        let outs = part.bind.out.iter();
+        for out in outs.filter(|it| !is_pattern(&it.location)) {
             function::out(&bound, out, &mut found);
         }
         extend_once(report, found);
         if let Some(signature) = signature {
             coverage::check(&bound, signature, file.span, report);
             input::check(&part.bind, signature, report);
+            start::check(&part.bind, signature, report);
             unused::check(part, signature, report);
             annotation::check(part, signature, file.span, report);
             for stuck in signature.states_without_exit() {

@@ -112,6 +112,7 @@ impl<'b> Used<'b> {
                 self.outputs.insert(port);
                 self.argument(value);
             }
+            Action::Cancel(_) => {}
         }
     }
 

@@ -9,17 +9,16 @@ use asmotion_datum::{Schema, Shape};
 use super::PartSource;
 use asmotion_composite::check::endpoints::{EndpointPort, find};
 use asmotion_composite::map;
-use asmotion_composite::model::{self, BuiltinComponent, MapEntry, ProxyMode};
+use asmotion_composite::model::{self, MapEntry, ProxyMode};
 
 /// Returns the settings with all conversions resolved; `None` for other components.
 pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::ProxySettings> {
     let component = source.component;
     let made_of = component.implementation.as_ref()?;
-    if made_of.builtin() != Some(BuiltinComponent::PortProxy) {
-        return None;
-    }
     let ports = |ports: &[EndpointPort]| ports.iter().map(|it| port(source, it)).collect();
+    let target = made_of.proxy_target()?;
     Some(asmotion_bridge::ProxySettings {
+        target: format!("{}{}", source.prefix, target.value),
         inputs: ports(&source.face.inputs),
         outputs: ports(&source.face.outputs),
         operations: component

@@ -271,7 +271,7 @@ impl Chore for Shared {
     fn run(&self) -> bool {
         let mut state = self.lock();
         if state.waiting.is_empty() {
-            return false;
+            return self.outbox.is_waiting();
         }
         let graph = self.graph.lock();
         let matched = graph.matched(self.outbox.gid);
@@ -289,7 +289,7 @@ impl Chore for Shared {
                 state.waiting.push_back(reply);
             }
         }
-        !state.waiting.is_empty()
+        !state.waiting.is_empty() || self.outbox.is_waiting()
     }
 }
 

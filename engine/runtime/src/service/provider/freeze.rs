@@ -34,6 +34,9 @@ pub(crate) struct FrozenService {
     /// Operations and causes of refused one-way requests that have been reported.
     reported: Vec<(usize, String)>,
     next: u64,
+    /// Number of requests refused because the queue was full.
+    #[serde(default)]
+    refused: u64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -175,6 +178,7 @@ impl ProvidedService {
             cancelled: self.cancelled.clone(),
             reported: self.reported.clone(),
             next: self.next_id,
+            refused: self.queue.refused(),
         })
     }
 
@@ -207,6 +211,7 @@ impl ProvidedService {
             self.queue.queue.force_push(message.thaw(context)?);
         }
         self.queue.set_admission(service.admission);
+        self.queue.set_refused(service.refused);
         Ok(())
     }
 }

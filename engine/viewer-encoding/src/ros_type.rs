@@ -1,9 +1,9 @@
-//! Message types of ROS 2 in a recording: their definitions, and their messages in CDR.
+//! Message types of ROS 2: their definitions, and their messages in CDR.
 
 use std::fmt;
 use std::sync::LazyLock;
 
-use asmotion_datum::{Codec, Datum, DatumError, Schema};
+use asmotion_datum::{Codec, Datum, DatumError, Sample, Schema, json};
 use asmotion_ros_interface::{Catalogue, Distribution, InterfaceName};
 
 /// The definitions of this build.
@@ -18,7 +18,7 @@ const TEXT: &str = "std_msgs/msg/String";
 
 /// A message type of ROS 2.
 #[derive(Clone, PartialEq)]
-pub(super) struct RosType {
+pub struct RosType {
     /// Full name: `nav_msgs/msg/Odometry`.
     pub name: String,
     /// Definition with those of all messages in it, as in a bag (`ros2msg`).
@@ -55,7 +55,7 @@ impl RosType {
         })
     }
 
-    /// The type that a recording defines; `None` if the definition is none.
+    /// The type with this name and definition (`ros2msg`); `None` if the definition is none.
     pub fn read(name: &str, definition: &str) -> Option<Self> {
         let root: InterfaceName = name.parse().ok()?;
         let mut catalogue = Catalogue::empty(Distribution::Ros2);
@@ -76,7 +76,7 @@ impl RosType {
         })
     }
 
-    /// Encodes a message. Fields that it omits have their initial values.
+    /// Encodes a message; `None` if it is not of the type. Fields that it omits have their initial values.
     pub fn encode(&self, message: Datum) -> Option<Vec<u8>> {
         let encoded = Codec::Cdr.encode(&message, &self.schema).ok();
         encoded.or_else(|| {
@@ -85,7 +85,19 @@ impl RosType {
         })
     }
 
+    /// Encodes a message as one of a type of ROS 2, or as JSON; `None` if it is not of the type.
+    pub fn encode_or_json(ros: Option<&Self>, sample: &dyn Sample) -> Option<Vec<u8>> {
+        let datum = sample.to_datum().ok()?;
+        match ros {
+            Some(of) => of.encode(datum),
+            None => json::encode_datum(&datum).ok().map(String::into_bytes),
+        }
+    }
+
     /// Decodes a message.
+    ///
+    /// # Errors
+    /// The bytes are no message of the type.
     pub fn decode(&self, bytes: &[u8]) -> Result<Datum, DatumError> {
         Codec::Cdr.decode(bytes, &self.schema)
     }

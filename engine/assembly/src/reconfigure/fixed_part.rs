@@ -1,0 +1,63 @@
+//! Differences that require a restart.
+
+/// A difference between two plans that requires a restart.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FixedPart {
+    /// A table of the composite.
+    #[error("{0} of the composite")]
+    Table(&'static str),
+    /// A new component that runs in the thread of another one.
+    #[error("`{component}` is new and runs in the thread of `{master}`")]
+    Slave {
+        /// Name of the component.
+        component: String,
+        /// Name of the other component.
+        master: String,
+    },
+    /// A new or removed component that is connected when its process starts.
+    #[error(
+        "`{component}` is {change}, and the built-in `{builtin}` is connected when its process starts"
+    )]
+    Builtin {
+        /// Name of the component.
+        component: String,
+        /// Name of the built-in.
+        builtin: String,
+        /// `new` or `removed`.
+        change: &'static str,
+    },
+    /// A component that differs in more than can be changed at run time.
+    #[error("`{component}` differs in {difference}; only {changeable} can change while it runs")]
+    Component {
+        /// Name of the component.
+        component: String,
+        /// The first difference.
+        difference: String,
+        /// Parts of a component that can change at run time.
+        changeable: &'static str,
+    },
+    /// A connection of a message queue.
+    #[error("the connection from `{from}` to `{to}` leaves the process")]
+    Connection {
+        /// Writing end.
+        from: String,
+        /// Reading end.
+        to: String,
+    },
+    /// A connection over a bus, to a topic or to a port of another process, that differs.
+    #[error("the connection from `{from}` to `{to}` over a broker differs in its policy")]
+    Policy {
+        /// Writing end.
+        from: String,
+        /// Reading end.
+        to: String,
+    },
+    /// A wire to another system or robot.
+    #[error("the wire of `{reference}` to `{service}` leaves the process")]
+    Wire {
+        /// Reference of the wire.
+        reference: String,
+        /// Service of the wire.
+        service: String,
+    },
+}

@@ -1,0 +1,95 @@
+//! Versions of a part of a system.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use asmotion_component::Interface;
+use asmotion_composite::Catalogue;
+use asmotion_diagnostics::Loader;
+use asmotion_network::RunningNetwork;
+use asmotion_plan::{Component, Implementation, Part, Plan};
+
+use crate::start::{self, CoordinatorOptions, Standard, Workshop};
+
+/// A version of a part of a system: its plan, and what its components are created from.
+#[derive(Clone)]
+pub struct Version {
+    /// The plan of the version.
+    pub plan: Plan,
+    /// The part of the plan that runs in this process.
+    pub part: Part,
+    catalogue: Arc<dyn Catalogue + Send + Sync>,
+    loader: Arc<dyn Loader + Send + Sync>,
+    coordinators: CoordinatorOptions,
+    /// The texts of each component's specification and its imports, in the order in which they are loaded.
+    pub(super) texts: BTreeMap<String, Vec<Arc<str>>>,
+    /// The buses of the running system.
+    pub(super) network: RunningNetwork,
+}
+
+impl Version {
+    /// Reads the specifications of a part of a plan. Catalogue, loader and options are those of [`Standard`].
+    pub fn new(
+        plan: Plan,
+        part: Part,
+        catalogue: Arc<dyn Catalogue + Send + Sync>,
+        loader: Arc<dyn Loader + Send + Sync>,
+        coordinators: CoordinatorOptions,
+    ) -> Self {
+        let here = plan.components.iter().filter(|it| part.has(&it.name));
+        let texts = here.filter_map(|component| {
+            let file = specification(component)?;
+            let texts = start::specification_texts(file, &*loader);
+            Some((component.name.clone(), texts))
+        });
+        Self {
+            texts: texts.collect(),
+            network: RunningNetwork::default(),
+            plan,
+            part,
+            catalogue,
+            loader,
+            coordinators,
+        }
+    }
+
+    /// The files of the version, which need not be those on the disk of this machine.
+    pub fn loader(&self) -> &dyn Loader {
+        &*self.loader
+    }
+
+    /// Sets the buses of the running system, which new ends use.
+    #[must_use]
+    pub fn on_buses(mut self, network: RunningNetwork) -> Self {
+        self.network = network;
+        self
+    }
+
+    /// Returns the constructor of a component. It loads its specification at each call.
+    pub(super) fn constructor(
+        &self,
+        component: &Component,
+    ) -> impl Fn(&mut Interface) -> Result<Box<dyn asmotion_component::Component>, String>
+    + Send
+    + Sync
+    + 'static {
+        let (version, component) = (self.clone(), component.clone());
+        move |interface| {
+            let mut workshop =
+                Standard::new(&*version.catalogue, &*version.loader, version.coordinators);
+            workshop.make(&component, &version.plan)?(interface)
+        }
+    }
+}
+
+/// Returns the file of the specification that a component runs.
+pub(super) fn specification(component: &Component) -> Option<&str> {
+    match &component.implementation {
+        Implementation::Asm { file, .. } => Some(file),
+        Implementation::Rust(_)
+        | Implementation::Builtin { .. }
+        | Implementation::Process { .. }
+        | Implementation::Ros { .. }
+        | Implementation::Orocos { .. } => None,
+    }
+}

@@ -1,0 +1,68 @@
+//! Specifications that are ready to be run.
+
+use crate::bind_error::BindError;
+use crate::binding::Binding;
+use crate::fingerprint::fingerprint;
+use crate::partners::MessagePartners;
+use crate::terms::BindingTerms;
+use crate::watch::Watch;
+use crate::watcher::Watcher;
+use asmotion_lang::machine::Machine;
+use asmotion_lang::{Specification, Style};
+
+/// A specification with its bindings and watched properties, ready to be run by any number of coordinators.
+///
+/// Its coordinators share texts, model, program and compiled code. Each has a machine and monitors of its own, which begin as
+/// copies of those here.
+pub struct PreparedSpecification {
+    /// The specification, with the terms of the bindings and the safe rule.
+    pub(crate) specification: Specification,
+    pub(crate) binding: Binding,
+    pub(crate) terms: BindingTerms,
+    /// Fingerprint of the specification and the bindings, stored in frozen states.
+    pub(crate) fingerprint: String,
+    /// The watcher before the first step.
+    pub(crate) watcher: Watcher,
+    /// The machine in its initial state, without partners.
+    initial: Machine,
+}
+
+impl PreparedSpecification {
+    /// Adds the bindings and the watched properties to a specification, and computes its initial state.
+    ///
+    /// # Errors
+    /// A binding, a property or the safe rule does not fit the specification, or the initial state cannot be built.
+    pub fn new(
+        mut specification: Specification,
+        binding: Binding,
+        watch: &Watch,
+    ) -> Result<Self, BindError> {
+        let terms = BindingTerms::add(&binding, &mut specification)?;
+        let watcher = Watcher::new(&mut specification, watch)?;
+        let initial = specification.machine().map_err(|fault| {
+            let finding = specification.explain(&fault);
+            let sources = &specification.sources;
+            BindError::Initial(asmotion_lang::render(&finding, sources, Style::Plain))
+        })?;
+        Ok(Self {
+            fingerprint: fingerprint(&specification, &binding, watch),
+            specification,
+            binding,
+            terms,
+            watcher,
+            initial,
+        })
+    }
+
+    /// Returns whether it was prepared with these bindings and this watch.
+    pub fn has(&self, binding: &Binding, watch: &Watch) -> bool {
+        self.binding == *binding && self.watcher.watch == *watch
+    }
+
+    /// Returns a machine in the initial state.
+    pub(crate) fn machine(&self, partners: &MessagePartners) -> Machine {
+        let mut machine = self.initial.clone();
+        machine.set_partners(partners.agents());
+        machine
+    }
+}

@@ -1,0 +1,150 @@
+//! A mapping of a topic from ROS.
+
+use std::time::{Duration, Instant};
+
+use asmotion_bridge::{Conversion, Use};
+use asmotion_component::{Cycle, Interface, Losses, Out};
+use asmotion_datum::{Datum, Schema};
+use asmotion_transform::TransformBuffer;
+
+use crate::echo::Echoes;
+use crate::frames::FrameQueue;
+use crate::mapped::MappedTopic;
+use crate::misfits::Misfits;
+use crate::open_connection::sum;
+use crate::traffic::Traffic;
+use crate::transport::{MessageReceiver, RosMessage};
+
+/// A mapping of a topic from ROS.
+pub(crate) struct Inbound {
+    pub(crate) mapped: MappedTopic,
+    port: Out<Datum>,
+    conversion: Conversion,
+    pub(crate) traffic: Traffic,
+    /// Messages that wait for transforms; `None` if their frame stays.
+    frames: Option<FrameQueue>,
+    /// Messages that did not fit.
+    misfits: u64,
+    /// Losses of connections that were replaced.
+    before: Losses,
+}
+
+impl Inbound {
+    /// Declares the port.
+    ///
+    /// # Errors
+    /// The reason that the messages cannot be converted or transformed.
+    pub(crate) fn declare(
+        mapped: MappedTopic,
+        ros_schema: &Schema,
+        interface: &mut Interface,
+    ) -> Result<Self, String> {
+        let frames = mapped.transform.as_ref();
+        let frames = frames.map(|it| FrameQueue::new(&mapped, it)).transpose()?;
+        let schema = &mapped.schema;
+        let converters = mapped.converters.iter();
+        let converted = converters.fold(schema.clone(), |schema, converter| {
+            converter.converted(schema, ros_schema)
+        });
+        let conversion = Conversion::between(ros_schema, &converted, Use::Fill);
+        let conversion = conversion
+            .ok_or_else(|| format!("`{}` of ROS does not become `{schema}`", mapped.kind))?;
+        let doc = format!("from the ROS topic `{}`", mapped.ros);
+        let port = interface.output_of(&mapped.port, schema.clone(), &doc);
+        Ok(Self {
+            mapped,
+            port,
+            conversion,
+            traffic: Traffic::default(),
+            frames,
+            misfits: 0,
+            before: Losses::default(),
+        })
+    }
+
+    /// Writes the messages of ROS to the output.
+    pub(crate) fn write(
+        &mut self,
+        receiver: &mut dyn MessageReceiver,
+        mut echoes: Option<&mut Echoes>,
+        buffer: &TransformBuffer,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        let arrived = receiver.take();
+        let Some(frames) = &mut self.frames else {
+            for message in arrived {
+                self.write_one(message, echoes.as_deref_mut(), misfits, cycle);
+            }
+            return;
+        };
+        let now = Instant::now();
+        for message in arrived {
+            frames.push(message, now);
+        }
+        for outcome in frames.take(buffer, now) {
+            match outcome {
+                Ok(message) => self.write_one(message, echoes.as_deref_mut(), misfits, cycle),
+                Err(misfit) => {
+                    let (reason, details) = misfit.texts();
+                    self.count_misfit((&reason, &details), misfits, cycle);
+                }
+            }
+        }
+    }
+
+    fn count_misfit(&mut self, texts: (&str, &str), misfits: &mut Misfits, cycle: &mut Cycle<'_>) {
+        self.misfits += 1;
+        let at = (&self.mapped.port, &self.mapped.ros);
+        misfits.count_with_details(at, texts, cycle);
+    }
+
+    fn write_one(
+        &mut self,
+        message: RosMessage,
+        echoes: Option<&mut Echoes>,
+        misfits: &mut Misfits,
+        cycle: &mut Cycle<'_>,
+    ) {
+        match self.sample(&message.content) {
+            Ok(sample) => {
+                if let Some(echoes) = echoes {
+                    echoes.written(&sample);
+                }
+                cycle.write_aged(self.port, sample, message.age);
+                self.traffic.pass(1, Instant::now());
+            }
+            Err(reason) => self.count_misfit((&reason, ""), misfits, cycle),
+        }
+    }
+
+    /// The sample for a message of ROS.
+    fn sample(&self, message: &Datum) -> Result<Datum, String> {
+        let converted = self.conversion.apply(message);
+        let mut converters = self.mapped.converters.iter();
+        let sample = converters.try_fold(converted, |sample, it| it.to_here(sample))?;
+        let complete = self.mapped.schema.complete(sample);
+        complete.map_err(|error| error.to_string())
+    }
+
+    /// Adds the losses of a connection that ends.
+    pub(crate) fn keep_losses(&mut self, losses: Losses) {
+        self.before = sum(self.before, losses);
+    }
+
+    /// Losses that the present connection does not know, without misfits.
+    pub(crate) fn losses(&self) -> Losses {
+        let waiting = self.frames.as_ref().map(FrameQueue::losses);
+        sum(self.before, waiting.unwrap_or_default())
+    }
+
+    /// Messages that did not fit.
+    pub(crate) fn misfits(&self) -> u64 {
+        self.misfits
+    }
+
+    /// Time until a message has waited for long enough.
+    pub(crate) fn patience(&self, now: Instant) -> Option<Duration> {
+        self.frames.as_ref()?.patience(now)
+    }
+}
