@@ -61,13 +61,16 @@ pub(crate) fn locations(name: &LocationName, function: &FunctionInfo) -> Option<
 }
 
 /// Returns the function that a location belongs to.
-pub(crate) fn function_of(name: &LocationName, signature: &dyn Signature) -> Option<FunctionInfo> {
-    let mut functions = signature.functions();
-    let fits =
-        |it: &FunctionInfo| it.name == name.function && it.parameters.len() == name.arguments.len();
-    let found = functions.iter().position(fits);
-    let found = found.or_else(|| functions.iter().position(|it| it.name == name.function));
-    found.map(|at| functions.swap_remove(at))
+pub(crate) fn function_of<'s>(
+    name: &LocationName,
+    signature: &'s dyn Signature,
+) -> Option<&'s FunctionInfo> {
+    let mut functions = signature.functions().iter();
+    let fits = |it: &&FunctionInfo| {
+        it.name == name.function && it.parameters.len() == name.arguments.len()
+    };
+    let found = functions.find(fits);
+    found.or_else(|| signature.function(&name.function))
 }
 
 /// Returns the combinations of elements that a location stands for; a single one without elements if it has no variables
@@ -79,7 +82,7 @@ fn substitutions(
 ) -> Vec<Substitution> {
     let name = LocationName::from(location.as_str());
     let function = function_of(&name, signature);
-    let ranges = function.and_then(|function| ranges(&name, key, &function));
+    let ranges = function.and_then(|function| ranges(&name, key, function));
     let all = ranges.and_then(|ranges| combinations(&ranges));
     let all = all.filter(|all| !all.is_empty());
     all.unwrap_or_else(|| vec![Substitution::default()])

@@ -52,13 +52,12 @@ pub trait Signature {
     }
 
     /// Returns all declared functions except those of libraries.
-    fn functions(&self) -> Vec<FunctionInfo>;
+    fn functions(&self) -> &[FunctionInfo];
 
     /// Returns the function of this name.
-    fn function(&self, name: &str) -> Option<FunctionInfo> {
-        self.functions()
-            .into_iter()
-            .find(|function| function.name == name)
+    fn function(&self, name: &str) -> Option<&FunctionInfo> {
+        let mut functions = self.functions().iter();
+        functions.find(|function| function.name == name)
     }
 
     /// Returns the type of a term; `None` if it is not known.
@@ -98,8 +97,8 @@ pub trait Signature {
     }
 
     /// Returns the control states that rules enter and none leaves, except those that a comment `//@Final` names.
-    fn states_without_exit(&self) -> Vec<EnteredState> {
-        Vec::new()
+    fn states_without_exit(&self) -> &[EnteredState] {
+        &[]
     }
 
     /// Returns the names of the functions that the specification or one of the terms reads; `None` if they are not known.

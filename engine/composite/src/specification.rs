@@ -1,6 +1,6 @@
 //! Signatures of `.asm` files, read with the language crates.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -58,6 +58,8 @@ impl Specifications for AsmFiles<'_> {
                 let (model, warnings) = unwatched(model, sources);
                 Ok(Some(Box::new(ModelSignature {
                     model: RefCell::new(model),
+                    functions: OnceCell::new(),
+                    states_without_exit: OnceCell::new(),
                     executable,
                     annotations,
                     warnings,
@@ -71,6 +73,10 @@ impl Specifications for AsmFiles<'_> {
 struct ModelSignature {
     /// Terms are added to it and removed again for their check.
     model: RefCell<Model>,
+    /// The functions of the model, in the form of [`Signature::functions`], once they have been asked for.
+    functions: OnceCell<Vec<FunctionInfo>>,
+    /// [`Signature::states_without_exit`], once they have been asked for.
+    states_without_exit: OnceCell<Vec<EnteredState>>,
     /// The model in executable form; `None` if it cannot be lowered.
     executable: Option<Executable>,
     annotations: Annotations,
@@ -128,20 +134,22 @@ impl Signature for ModelSignature {
         self.warnings.clone()
     }
 
-    fn functions(&self) -> Vec<FunctionInfo> {
-        let model = self.model.borrow();
-        let own = model.own_functions();
-        // operations of partners are not outputs
-        let own = own.filter(|(_, function)| !model.is_operation(function));
-        own.map(|(id, function)| FunctionInfo {
-            name: function.name.to_string(),
-            kind: kind(function.kind),
-            domain: domain(&model, &function.parameters),
-            parameters: self.parameters(&model, id, &function.parameters),
-            codomain: codomain(&model, function.codomain),
-            declared: function.span,
+    fn functions(&self) -> &[FunctionInfo] {
+        self.functions.get_or_init(|| {
+            let model = self.model.borrow();
+            let own = model.own_functions();
+            // operations of partners are not outputs
+            let own = own.filter(|(_, function)| !model.is_operation(function));
+            let functions = own.map(|(id, function)| FunctionInfo {
+                name: function.name.to_string(),
+                kind: kind(function.kind),
+                domain: domain(&model, &function.parameters),
+                parameters: self.parameters(&model, id, &function.parameters),
+                codomain: codomain(&model, function.codomain),
+                declared: function.span,
+            });
+            functions.collect()
         })
-        .collect()
     }
 
     fn awaits(&self, partner: &str) -> Option<(String, Span)> {
@@ -162,30 +170,9 @@ impl Signature for ModelSignature {
         self.annotations.clone()
     }
 
-    fn states_without_exit(&self) -> Vec<EnteredState> {
-        let model = self.model.borrow();
-        let mut stuck = Vec::new();
-        for (id, function) in model.own_functions() {
-            let is_control = CONTROL_STATES.contains(&&*function.name);
-            if !is_control || !function.parameters.is_empty() {
-                continue;
-            }
-            for (atom, entered) in entered_states(&model, id) {
-                let Some(literal) = model.atoms.get(atom as usize) else {
-                    continue;
-                };
-                let state = literal.name.to_string();
-                let is_final = self.annotations.final_states.contains(&state);
-                if !is_final && !model.has_exit(id, &Value::Atom(Atom(atom))) {
-                    stuck.push(EnteredState {
-                        function: function.name.to_string(),
-                        state,
-                        entered,
-                    });
-                }
-            }
-        }
-        stuck
+    fn states_without_exit(&self) -> &[EnteredState] {
+        let find = || states_without_exit(&self.model.borrow(), &self.annotations);
+        self.states_without_exit.get_or_init(find)
     }
 
     fn term(&self, text: &str) -> Result<Option<Codomain>, String> {
@@ -299,6 +286,32 @@ impl ModelSignature {
         });
         parameters.collect()
     }
+}
+
+/// Returns the control states that rules enter and none leaves, except those that an annotation names.
+fn states_without_exit(model: &Model, annotations: &Annotations) -> Vec<EnteredState> {
+    let mut stuck = Vec::new();
+    for (id, function) in model.own_functions() {
+        let is_control = CONTROL_STATES.contains(&&*function.name);
+        if !is_control || !function.parameters.is_empty() {
+            continue;
+        }
+        for (atom, entered) in entered_states(model, id) {
+            let Some(literal) = model.atoms.get(atom as usize) else {
+                continue;
+            };
+            let state = literal.name.to_string();
+            let is_final = annotations.final_states.contains(&state);
+            if !is_final && !model.has_exit(id, &Value::Atom(Atom(atom))) {
+                stuck.push(EnteredState {
+                    function: function.name.to_string(),
+                    state,
+                    entered,
+                });
+            }
+        }
+    }
+    stuck
 }
 
 /// Returns the literals that updates give a function, each with the first location. Where a macro gives it the value of a

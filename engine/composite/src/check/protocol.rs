@@ -31,7 +31,7 @@ pub(super) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
         };
         let annotations = signature.annotations();
         for function in signature.functions() {
-            protocol.function(&function, &annotations, report);
+            protocol.function(function, &annotations, report);
         }
         for (text, at) in &annotations.echoes {
             protocol.echo(text, *at, report);

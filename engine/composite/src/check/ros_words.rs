@@ -77,10 +77,10 @@ fn words<'c>(scene: &'c CheckedComposite<'_>) -> Vec<Words<'c>> {
 }
 
 /// The topics and fields that a specification reads and writes, with their functions and the direction of a bridge that has them.
-fn bound(
-    scene: &CheckedComposite<'_>,
+fn bound<'f>(
+    scene: &CheckedComposite<'f>,
     part: &CheckedComponent<'_>,
-) -> Vec<(String, String, FunctionInfo, Direction)> {
+) -> Vec<(String, String, &'f FunctionInfo, Direction)> {
     let Some(Implementation::Asm { file, .. }) = &part.component.implementation else {
         return Vec::new();
     };

@@ -1,6 +1,8 @@
 //! A line-based scanner for the subset of AsmetaL used in tests. Specifications with annotations or imports are read
 //! by the language crates.
 
+use std::cell::OnceCell;
+
 use asmotion_composite::AsmFiles;
 use asmotion_composite::signature::{
     Codomain, FunctionInfo, FunctionKind, ParameterInfo, Signature, Specifications,
@@ -40,6 +42,7 @@ pub struct Scanner {
     domains: Vec<(String, Vec<String>, Span)>,
     functions: Vec<(FunctionKind, String, String, Span)>,
     main: Option<(String, Span)>,
+    described: OnceCell<Vec<FunctionInfo>>,
 }
 
 impl Scanner {
@@ -145,23 +148,21 @@ impl Signature for Scanner {
         Some(StatedProperties::default())
     }
 
-    fn functions(&self) -> Vec<FunctionInfo> {
-        let functions = self
-            .functions
-            .iter()
-            .map(|(kind, name, domains, declared)| {
-                let (domain, codomain) = domains.split_once(" -> ").unwrap_or(("", domains));
-                let names = domain.split(", ").filter(|name| !name.is_empty());
-                FunctionInfo {
-                    name: name.clone(),
-                    kind: *kind,
-                    domain: domain.to_owned(),
-                    parameters: names.map(|name| self.parameter(name)).collect(),
-                    codomain: self.codomain(codomain),
-                    declared: *declared,
-                }
-            });
-        functions.collect()
+    fn functions(&self) -> &[FunctionInfo] {
+        let described = |(kind, name, domains, declared): &(_, String, String, _)| {
+            let (domain, codomain) = domains.split_once(" -> ").unwrap_or(("", domains));
+            let names = domain.split(", ").filter(|name| !name.is_empty());
+            FunctionInfo {
+                name: name.clone(),
+                kind: *kind,
+                domain: domain.to_owned(),
+                parameters: names.map(|name| self.parameter(name)).collect(),
+                codomain: self.codomain(codomain),
+                declared: *declared,
+            }
+        };
+        self.described
+            .get_or_init(|| self.functions.iter().map(described).collect())
     }
 
     fn main_rule(&self) -> Option<(String, Span)> {

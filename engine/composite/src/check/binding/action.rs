@@ -89,7 +89,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     if !matches!(told.kind, FunctionKind::Monitored | FunctionKind::Shared) {
         let at: Span = event.span;
         report.found(WrongFunctionKind {
-            function: told,
+            function: told.clone(),
             reason: "a reply cannot change it",
             help: "name a monitored function",
             at,
@@ -97,7 +97,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
         return;
     }
     for literal in call.literals() {
-        function::literal(&told, literal, report);
+        function::literal(told, literal, report);
     }
 }
 

@@ -36,18 +36,18 @@ pub(super) fn check(bound: &Bound<'_>, signature: &dyn Signature, file: Span, re
         let at = file;
         match function.kind {
             FunctionKind::Monitored => {
-                if let Some(missing) = monitored.missing(&function) {
+                if let Some(missing) = monitored.missing(function) {
                     report.found(UnboundMonitored {
-                        function,
+                        function: function.clone(),
                         missing,
                         at,
                     });
                 }
             }
             FunctionKind::Out => {
-                if let Some(missing) = out.missing(&function) {
+                if let Some(missing) = out.missing(function) {
                     report.found(UnboundOut {
-                        function,
+                        function: function.clone(),
                         missing,
                         at,
                     });
@@ -140,6 +140,6 @@ impl BoundSet {
 fn covered(location: &At<String>, signature: &dyn Signature) -> Vec<String> {
     let name = LocationName::from(location.as_str());
     let function = function_of(&name, signature);
-    let all = function.and_then(|function| locations(&name, &function));
+    let all = function.and_then(|function| locations(&name, function));
     all.unwrap_or_else(|| vec![name.to_string()])
 }

@@ -44,12 +44,12 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     };
     let function = bound.signature.and_then(|signature| {
         let found = location(signature, &monitored.location, &monitored.key, report)?;
-        read_by_asm(&found, monitored.location.span, report).then_some(found)
+        read_by_asm(found, monitored.location.span, report).then_some(found)
     });
     if let Some(message) = &message {
         self::key(
             bound,
-            function.as_ref(),
+            function,
             &monitored.location,
             message,
             &monitored.key,
@@ -58,7 +58,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     }
     self::matching(bound, monitored, message.as_deref(), report);
     let selected = selected_fields(&monitored.key);
-    if let Some(function) = &function {
+    if let Some(function) = function {
         for value in [&monitored.none, &monitored.on_stale].into_iter().flatten() {
             self::value(function, value, report);
         }
@@ -66,7 +66,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     match &monitored.from {
         Source::Port(_) | Source::Request(_) => {}
         Source::Timer { running, .. } => {
-            timer(bound, function.as_ref(), running, report);
+            timer(bound, function, running, report);
             return;
         }
         Source::Losses(port) => {
@@ -84,9 +84,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     let path = monitored.field.as_ref().or(monitored.map.as_ref());
     let name = &monitored.location;
     if let Some(first) = monitored.is.first() {
-        let truth = function
-            .as_ref()
-            .filter(|it| it.codomain != Codomain::Boolean);
+        let truth = function.filter(|it| it.codomain != Codomain::Boolean);
         if let Some(function) = truth {
             report.found(WrongFieldType {
                 function: function.clone(),
@@ -99,7 +97,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
             // the field is compared with a string, regardless of the codomain of the function
             let text = function.map(|function| FunctionInfo {
                 codomain: Codomain::Text,
-                ..function
+                ..function.clone()
             });
             field(
                 bound,
@@ -115,11 +113,11 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     let received = monitored.received();
     if received.value == Receive::Edge {
         let path = path.map(|path| path.span);
-        edge(function.as_ref(), received.span, path, report);
+        edge(function, received.span, path, report);
         return;
     }
     if let Some(message) = &message {
-        let function = function.as_ref();
+        let function = function;
         field(bound, function, name, message, (path, &selected), report);
     }
 }
@@ -208,8 +206,8 @@ fn timer(
 }
 
 /// Checks a function bound to losses: its codomain must be Integer or Boolean.
-fn lost(function: Option<FunctionInfo>, at: Span, report: &mut Report) {
-    let takes = |function: &FunctionInfo| {
+fn lost(function: Option<&FunctionInfo>, at: Span, report: &mut Report) {
+    let takes = |function: &&FunctionInfo| {
         matches!(
             function.codomain,
             Codomain::Boolean | Codomain::Integer | Codomain::Other(_)
@@ -217,7 +215,7 @@ fn lost(function: Option<FunctionInfo>, at: Span, report: &mut Report) {
     };
     if let Some(function) = function.filter(|function| !takes(function)) {
         report.found(WrongFieldType {
-            function,
+            function: function.clone(),
             found: "the number of lost messages".to_owned(),
             at,
             typed: None,
@@ -247,14 +245,14 @@ fn edge(function: Option<&FunctionInfo>, at: Span, path: Option<Span>, report: &
 pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
     let function = bound.signature.and_then(|signature| {
         let found = location(signature, &out.location, out_key(out), report)?;
-        written_by_asm(&found, out.location.span, report).then_some(found)
+        written_by_asm(found, out.location.span, report).then_some(found)
     });
     match &out.effect {
         Effect::Publish(published) => {
             let path = &published.field;
             let port = output(bound, &published.port, report);
             if let Some(kind) = port.and_then(|port| port.kind.as_ref()) {
-                let (function, name) = (function.as_ref(), &out.location);
+                let name = &out.location;
                 let selected = selected_fields(&published.key);
                 key(bound, function, name, &kind.text, &published.key, report);
                 let part = (path.as_ref(), selected.as_slice());
@@ -264,7 +262,7 @@ pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
         Effect::Literals(cases) => {
             action::idle_cancels(cases, report);
             for (literal, actions) in cases {
-                if let Some(function) = &function {
+                if let Some(function) = function {
                     self::literal(function, literal, report);
                 }
                 for action in actions {
@@ -289,12 +287,12 @@ fn written_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> boo
 }
 
 /// Looks up the function of a location; reports an error if it does not exist or if the arguments are not of its domain.
-pub(in crate::check) fn location(
-    signature: &dyn Signature,
+pub(in crate::check) fn location<'s>(
+    signature: &'s dyn Signature,
     written: &At<String>,
     key: &[NamedValue<MessagePath>],
     report: &mut Report,
-) -> Option<FunctionInfo> {
+) -> Option<&'s FunctionInfo> {
     let (name, at) = (LocationName::from(written.as_str()), written.span);
     let Some(function) = function_of(&name, signature) else {
         let all = signature.functions();
@@ -313,7 +311,7 @@ pub(in crate::check) fn location(
     if function.parameters.len() != name.arguments.len() {
         let given = name.arguments.len();
         report.found(WrongLocationArity {
-            function,
+            function: function.clone(),
             given,
             at,
         });

@@ -64,8 +64,8 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
             annotation::check(part, signature, file.span, report);
             for stuck in signature.states_without_exit() {
                 report.found(StateWithoutExit {
-                    function: stuck.function,
-                    state: stuck.state,
+                    function: stuck.function.clone(),
+                    state: stuck.state.clone(),
                     at: file.span,
                     entered: stuck.entered,
                 });
