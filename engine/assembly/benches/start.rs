@@ -1,7 +1,7 @@
-//! Cost of starting components of one specification against their number.
+//! Cost of starting components of one specification, and of their cycles in virtual time, against their number.
 //!
 //! `cargo bench -p asmotion-assembly --bench start` prints the CPU time and the memory of a component, from its composite to
-//! a system that runs.
+//! a system that runs, and the CPU time of a cycle after that, in which its specification makes a step.
 
 #![allow(
     clippy::disallowed_methods,
@@ -23,7 +23,9 @@ use asmotion_runtime::Run;
 use rovers::{BUILD, SPECIFICATION, composite};
 
 /// Numbers of components.
-const COMPONENTS: [usize; 4] = [1, 10, 100, 1000];
+const COMPONENTS: [usize; 5] = [1, 10, 100, 1_000, 10_000];
+/// Cycles that are measured in a system, approximately; each component has at least ten.
+const CYCLES: usize = 10_000;
 
 /// CPU time of this thread in microseconds, which does not contain the time of other processes.
 fn cpu_time() -> f64 {
@@ -40,8 +42,8 @@ fn memory() -> f64 {
 }
 
 fn main() {
-    println!("| components | open | assemble | start and 10 cycles | memory |");
-    println!("| --- | --- | --- | --- | --- |");
+    println!("| components | open | assemble | start and 10 cycles | memory | a cycle |");
+    println!("| --- | --- | --- | --- | --- | --- |");
     for components in COMPONENTS {
         let mut files = MemoryFiles::new();
         files.add("main.toml", composite(components));
@@ -70,13 +72,18 @@ fn main() {
         let mut run = system.simulate();
         run.run_for(Duration::from_millis(1000));
         let ran = cpu_time();
+        let cycles = (CYCLES / components).max(10);
+        // a cycle in 100 ms
+        run.run_for(Duration::from_millis(100 * cycles as u64));
+        let cycled = cpu_time();
         let each = |time: f64| time / components as f64;
         println!(
-            "| {components} | {:.0} µs | {:.0} µs | {:.0} µs | {:.1} KiB |",
+            "| {components} | {:.0} µs | {:.0} µs | {:.0} µs | {:.1} KiB | {:.2} µs |",
             each(open - begun),
             each(assembled - open),
             each(ran - assembled),
-            each(after - before)
+            each(after - before),
+            each(cycled - ran) / cycles as f64
         );
     }
 }

@@ -18,7 +18,7 @@ use asmotion_port::Time;
 
 pub use self::pacer::Pace;
 use self::pacer::Pacer;
-use self::queue::{Due, DueSample, DueWork};
+use self::queue::{Due, DueWork};
 use self::timeline::Timeline;
 use crate::adapter::Adapter;
 use crate::component_unit::ComponentUnit;
@@ -141,7 +141,7 @@ impl Simulation {
         self.set_time(due.at);
         let mut effects = self.timeline.effects(watch);
         match due.work {
-            DueWork::Sample(DueSample { target, sample }) => {
+            DueWork::Sample { target, sample } => {
                 self.injections
                     .inject(target, &sample, due.at, &mut effects);
             }
@@ -250,7 +250,7 @@ impl Executor for Simulation {
         let at = at.max(self.timeline.now);
         self.timeline
             .queue
-            .push(at, DueWork::Sample(DueSample { target, sample }));
+            .push(at, DueWork::Sample { target, sample });
     }
 
     /// Handles all items due up to a time. Returns whether an event satisfied `watch`.

@@ -7,7 +7,7 @@ use asmotion_port::{ConnectionId, SampleSnapshot, Time};
 use serde::{Deserialize, Serialize};
 
 use super::Simulation;
-use super::queue::{DueQueue, DueSample, DueWork};
+use super::queue::{DueQueue, DueWork};
 use super::timeline::UnitSchedule;
 use crate::component_unit::FrozenUnit;
 use crate::frozen::{
@@ -47,11 +47,11 @@ enum FrozenWork {
     },
     Trigger {
         component: usize,
-        generation: u32,
+        generation: u64,
     },
     Period {
         component: usize,
-        generation: u32,
+        generation: u64,
     },
 }
 
@@ -75,7 +75,7 @@ impl Simulation {
         self.refuse_external_writers(&units)?;
         let timeline = &self.timeline;
         let due = timeline.queue.entries().into_iter();
-        let due = due.map(|(at, serial, work)| Ok((at, serial, FrozenWork::of(&work)?)));
+        let due = due.map(|(at, serial, work)| Ok((at, serial, FrozenWork::of(work)?)));
         FrozenSystem::of(FrozenSimulation {
             now: timeline.now,
             order: timeline.handle.order(),
@@ -256,7 +256,7 @@ impl Simulation {
 impl FrozenWork {
     fn of(work: &DueWork) -> Result<Self, SystemFreezeError> {
         Ok(match work {
-            DueWork::Sample(DueSample { target, sample }) => Self::Sample {
+            DueWork::Sample { target, sample } => Self::Sample {
                 target: *target,
                 sample: FrozenSample::of(&**sample).map_err(no_data("an injected sample"))?,
             },
@@ -282,10 +282,10 @@ impl FrozenWork {
 
     fn thaw(&self, names: &SampleNames) -> Result<DueWork, SystemThawError> {
         Ok(match self {
-            Self::Sample { target, sample } => DueWork::Sample(DueSample {
+            Self::Sample { target, sample } => DueWork::Sample {
                 target: *target,
                 sample: sample.thaw(names)?,
-            }),
+            },
             Self::Deadline { component } => DueWork::Deadline {
                 component: *component,
             },

@@ -45,7 +45,7 @@ pub(super) struct UnitSchedule {
     /// A triggered cycle is in the queue already.
     pub triggered: bool,
     /// Incremented when the schedule is renewed, which invalidates older queue entries.
-    pub generation: u32,
+    pub generation: u64,
     /// Number of cycles at the current instant.
     pub cycles: u32,
 }
@@ -183,10 +183,10 @@ impl UnitSchedule {
     }
 
     /// Replaces the schedule and returns its generation.
-    fn set_drive(&mut self, drive: Drive) -> u32 {
+    fn set_drive(&mut self, drive: Drive) -> u64 {
         self.drive = drive;
         self.triggered = false;
-        self.generation = self.generation.wrapping_add(1);
+        self.generation += 1;
         self.generation
     }
 }
@@ -244,7 +244,7 @@ impl SimulatedEffects<'_, '_> {
         &mut self,
         unit: &ComponentUnit,
         last: Time,
-        generation: u32,
+        generation: u64,
     ) {
         let unchanged = self.timeline.schedules[unit.index].generation == generation;
         if let Drive::Period(period) = unit.activity.drive
