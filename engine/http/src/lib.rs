@@ -9,6 +9,7 @@ mod connections;
 mod host;
 mod listener;
 mod token;
+mod upgrade;
 
 pub use call::call;
 pub use connections::{CallGuard, ConnectionPlace};
@@ -17,3 +18,4 @@ pub use listener::{
     HttpHandler, HttpRequest, HttpResponse, ListenError, Listener, ListenerSettings,
 };
 pub use token::BearerToken;
+pub use upgrade::upgraded_stream;

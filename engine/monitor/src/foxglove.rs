@@ -1,31 +1,31 @@
 //! The protocol of Foxglove and Lichtblick: a viewer reads topics, outputs, specifications and the log of a running system.
 //!
-//! The client subscribes to channels and acknowledges nothing. So each batch of messages ends with a ping, and the server has at
-//! most two batches under way that no pong has answered: a viewer that cannot follow receives the newest samples when it continues,
-//! and not those that have waited in the socket meanwhile. It can change nothing.
+//! The client subscribes to channels and acknowledges nothing. So batches of messages end with a ping, and the server has at most
+//! two pings under way that no pong has answered: a viewer that cannot follow receives the newest samples when it continues, and not
+//! those that have waited in the socket meanwhile. It can change nothing.
 //!
 //! Specification: <https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md>. `foxglove.sdk.v1` is a later name of the same
 //! messages, as far as they are used here.
 
 mod channels;
 mod messages;
+mod shared_messages;
 mod viewer;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-use std::time::Duration;
 
 use hyper::header::{SEC_WEBSOCKET_PROTOCOL, UPGRADE};
 use hyper::upgrade::Upgraded;
 use hyper::{HeaderMap, Uri};
 use serde_json::{Value, json};
-use tokio::sync::watch;
-use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
-use tokio_tungstenite::tungstenite::{Error, Message};
+use tokio::sync::{mpsc, watch};
 
+use crate::client::serve;
 use crate::feed::Feed;
 use crate::settings::DashboardSettings;
-use crate::socket::{self, ClientSocket, closed, next, refuse, send, send_all, ticks};
+use crate::ticker::Ticker;
+pub(crate) use shared_messages::SharedMessages;
 use viewer::Viewer;
 
 /// Path of the WebSocket. Viewers also find it at the root, where browsers find the page.
@@ -33,9 +33,6 @@ pub(crate) const PATH: &str = "/foxglove";
 
 /// The names of the protocol that the server speaks.
 pub(crate) const PROTOCOLS: &[&str] = &["foxglove.websocket.v1", "foxglove.sdk.v1"];
-
-/// Interval between batches of messages.
-const INTERVAL: Duration = Duration::from_micros(16_667);
 
 /// Returns whether a request addresses this protocol.
 pub(crate) fn is_addressed(uri: &Uri, headers: &HeaderMap) -> bool {
@@ -62,52 +59,18 @@ pub(crate) struct FoxgloveSession {
 
 impl FoxgloveSession {
     /// Runs the session until the viewer or the dashboard closes it.
-    pub(crate) async fn run(self, upgraded: Upgraded, closing: watch::Receiver<bool>) {
-        let mut socket = socket::open(upgraded, self.settings.max_message).await;
-        let _ = self.serve(&mut socket, closing).await;
-        socket::end(&mut socket).await;
-    }
-
-    /// Serves the viewer. Returns an error if the connection is broken.
-    async fn serve(
-        &self,
-        socket: &mut ClientSocket,
-        mut closing: watch::Receiver<bool>,
-    ) -> Result<(), Error> {
-        send(socket, self.server_info().to_string()).await?;
-        let mut viewer = Viewer::new(self.settings.max_channels, Arc::clone(&self.skipped));
-        let mut ticks = ticks(INTERVAL);
-        loop {
-            tokio::select! {
-                message = next(socket) => match message {
-                    Some(Ok(Message::Text(text))) => {
-                        for problem in viewer.request(&text, &self.feed) {
-                            send(socket, problem.to_string()).await?;
-                        }
-                    }
-                    Some(Ok(Message::Pong(batch))) => viewer.acknowledge(&batch),
-                    Some(Ok(Message::Close(_))) | None => return Ok(()),
-                    Some(Ok(Message::Ping(_) | Message::Frame(_))) => {}
-                    Some(Ok(Message::Binary(_))) => return refuse(socket, CloseCode::Unsupported).await,
-                    Some(Err(Error::Capacity(_))) => return refuse(socket, CloseCode::Size).await,
-                    Some(Err(error)) => return Err(error),
-                },
-                _ = ticks.tick() => {
-                    if viewer.is_gone() {
-                        return Err(Error::ConnectionClosed);
-                    }
-                    let batch = viewer.batch(&self.feed);
-                    if !batch.is_empty() {
-                        send_all(socket, batch).await?;
-                    }
-                }
-                () = closed(&mut closing) => {
-                    let batch = viewer.batch(&self.feed);
-                    send_all(socket, batch).await?;
-                    return refuse(socket, CloseCode::Away).await;
-                }
-            }
-        }
+    pub(crate) async fn run(
+        self,
+        upgraded: Upgraded,
+        ticker: Arc<Ticker<SharedMessages>>,
+        closing: watch::Receiver<bool>,
+    ) {
+        let info = self.server_info().to_string();
+        let max_message = self.settings.max_message;
+        let viewer = Viewer::new(info, self.feed, self.settings.max_channels, self.skipped);
+        // what it sends is answered at once
+        let (_, replied) = mpsc::channel(1);
+        serve((upgraded, max_message), viewer, &ticker, replied, closing).await;
     }
 
     /// The first message.

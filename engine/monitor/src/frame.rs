@@ -10,93 +10,180 @@ use crate::desk::Desk;
 use crate::feed::Feed;
 use crate::output_slot::OutputSummary;
 use crate::rendering::quoted;
-use crate::subscriptions::Subscriptions;
+use crate::subscriptions::{Cursors, Subscriptions};
+use crate::ticker::{Shared, interval_number};
+use crate::under_way::UnderWay;
 
 /// Interval between summaries of the outputs.
 const SUMMARY: Duration = Duration::from_millis(250);
 /// Interval after which a frame is sent although nothing is new, which tells a silent system from a broken connection.
 const HEARTBEAT: Duration = Duration::from_millis(500);
 
+/// The parts of frames that tabs share in a tick: each is written once.
+#[derive(Default)]
+pub(crate) struct SharedFrames {
+    now: Option<Instant>,
+    /// The members of all frames.
+    common: Option<Arc<str>>,
+    news: Vec<SharedNews>,
+}
+
+/// What is new for tabs that have subscribed to the same and have seen the same.
+struct SharedNews {
+    outputs: Vec<Arc<str>>,
+    before: Cursors,
+    after: Cursors,
+    /// Members of a frame, each after a comma; empty if nothing is new.
+    json: Arc<str>,
+}
+
+impl Shared for SharedFrames {
+    fn begin(&mut self, now: Instant) {
+        self.now = Some(now);
+        self.common = None;
+        self.news.clear();
+    }
+}
+
+impl SharedFrames {
+    fn now(&self) -> Instant {
+        self.now.unwrap_or_else(Instant::now)
+    }
+
+    /// What is new for a tab.
+    fn news(&mut self, subscriptions: &mut Subscriptions, feed: &Feed) -> Arc<str> {
+        let is_same = |it: &&SharedNews| {
+            let outputs = subscriptions.samples.iter().map(|it| &it.name);
+            it.before == subscriptions.seen && it.outputs.iter().eq(outputs)
+        };
+        if let Some(known) = self.news.iter().find(is_same) {
+            subscriptions.seen.clone_from(&known.after);
+            return Arc::clone(&known.json);
+        }
+        let before = subscriptions.seen.clone();
+        let mut parts = String::new();
+        samples(subscriptions, feed, &mut parts);
+        rings(&mut subscriptions.seen, feed, &mut parts);
+        outputs(&mut subscriptions.seen, feed, self.now(), &mut parts);
+        let json: Arc<str> = parts.into();
+        let outputs = subscriptions.samples.iter();
+        self.news.push(SharedNews {
+            outputs: outputs.map(|it| Arc::clone(&it.name)).collect(),
+            before,
+            after: subscriptions.seen.clone(),
+            json: Arc::clone(&json),
+        });
+        json
+    }
+
+    /// The members of all frames, each after a comma.
+    fn common(&mut self, feed: &Feed) -> Arc<str> {
+        let now = self.now();
+        let common = self.common.get_or_insert_with(|| {
+            let (time, lost, end) = {
+                let state = feed.state();
+                (state.time, state.lost, state.end.clone())
+            };
+            let end = end.map_or_else(|| "null".to_owned(), |end| quoted(&end));
+            let (t, wall, links) = (time.seconds(), feed.milliseconds(now), broken_links(feed, now));
+            let common = format!(",\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"end\":{end}{links}");
+            common.into()
+        });
+        Arc::clone(common)
+    }
+}
+
 /// Composes the frames of a tab.
+#[derive(Default)]
 pub(crate) struct FrameWriter {
     /// Number of the last frame.
-    pub seq: u64,
+    seq: u64,
     last: Option<Instant>,
-    last_summary: Option<Instant>,
+    under_way: UnderWay,
 }
 
 impl FrameWriter {
-    pub(crate) fn new() -> Self {
-        Self {
-            seq: 0,
-            last: None,
-            last_summary: None,
-        }
+    /// Returns whether the tab takes another frame.
+    pub(crate) fn has_room(&self) -> bool {
+        self.under_way.has_room()
+    }
+
+    /// The tab has drawn a frame.
+    pub(crate) fn acknowledge(&mut self, seq: u64) {
+        self.under_way.acknowledge(seq.min(self.seq));
     }
 
     /// The next frame; `None` if nothing is new.
     pub(crate) fn next(
         &mut self,
         subscriptions: &mut Subscriptions,
-        feed: &Feed,
+        (feed, shared): (&Feed, &mut SharedFrames),
         (desk, client): (&Desk, u64),
     ) -> Option<String> {
-        let now = Instant::now();
-        let mut parts = String::new();
-        self.samples(subscriptions, feed, &mut parts);
-        self.rings(subscriptions, feed, &mut parts);
-        self.outputs(subscriptions, feed, now, &mut parts);
-        let links = broken_links(feed, now);
-        let is_due = |last: Instant| now.duration_since(last) >= HEARTBEAT;
-        if parts.is_empty() && !self.last.is_none_or(is_due) {
+        let now = shared.now();
+        let news = shared.news(subscriptions, feed);
+        if news.is_empty() && !self.is_heartbeat_due(now) {
             return None;
         }
-        self.last = Some(now);
-        self.seq += 1;
-        let (time, lost, end) = {
-            let state = feed.state();
-            (state.time, state.lost, state.end.clone())
-        };
         let control = match (desk.is_open(), desk.armed_for(client)) {
             (false, _) => "\"view\"".to_owned(),
             (true, Some(left)) => format!("{{\"armed_s\":{}}}", left.as_secs()),
             (true, None) if desk.is_held_by_other(client) => "\"held\"".to_owned(),
             (true, None) => "\"free\"".to_owned(),
         };
-        let end = end.map_or_else(|| "null".to_owned(), |end| quoted(&end));
-        let (seq, t, wall) = (self.seq, time.seconds(), feed.milliseconds(now));
-        Some(format!(
-            "{{\"type\":\"frame\",\"seq\":{seq},\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"control\":{control},\"end\":{end}{links}{parts}}}"
-        ))
+        let common = shared.common(feed);
+        Some(self.frame(now, &control, [&common, &news]))
     }
 
     /// The next frame of a run that is over, which only tells that the connection is alive; `None` before it is due.
-    pub(crate) fn heartbeat(&mut self, end: Time) -> Option<String> {
-        let now = Instant::now();
-        let is_due = |last: Instant| now.duration_since(last) >= HEARTBEAT;
-        if !self.last.is_none_or(is_due) {
+    pub(crate) fn heartbeat(&mut self, end: Time, shared: &SharedFrames) -> Option<String> {
+        let now = shared.now();
+        if !self.is_heartbeat_due(now) {
             return None;
         }
-        self.last = Some(now);
-        self.seq += 1;
-        let (seq, t) = (self.seq, end.seconds());
-        Some(format!(
-            "{{\"type\":\"frame\",\"seq\":{seq},\"t\":{t},\"wall\":0,\"lost\":0,\"control\":\"view\",\"end\":null}}"
-        ))
+        let t = end.seconds();
+        let common = format!(",\"t\":{t},\"wall\":0,\"lost\":0,\"end\":null");
+        Some(self.frame(now, "\"view\"", [&common, ""]))
     }
 
-    fn samples(&self, subscriptions: &mut Subscriptions, feed: &Feed, parts: &mut String) {
-        let mut samples = Vec::new();
-        for subscription in &mut subscriptions.samples {
-            if subscription.slot.is_none() {
-                subscription.slot = feed.output(&subscription.name);
-            }
-            let slot = subscription.slot.as_ref();
-            let Some(newest) = slot.and_then(|slot| slot.newer_than(subscription.sent)) else {
-                continue;
-            };
-            subscription.sent = newest.number;
-            samples.push(format!(
+    fn is_heartbeat_due(&self, now: Instant) -> bool {
+        self.last
+            .is_none_or(|last| now.duration_since(last) >= HEARTBEAT)
+    }
+
+    fn frame(&mut self, now: Instant, control: &str, [common, news]: [&str; 2]) -> String {
+        self.last = Some(now);
+        self.seq += 1;
+        let (seq, ack) = (self.seq, self.under_way.ask(self.seq, now));
+        let mut frame = String::with_capacity(128 + common.len() + news.len());
+        append(
+            &mut frame,
+            format_args!("{{\"type\":\"frame\",\"seq\":{seq},\"ack\":{ack},\"control\":{control}"),
+        );
+        frame.push_str(common);
+        frame.push_str(news);
+        frame.push('}');
+        frame
+    }
+}
+
+fn samples(subscriptions: &mut Subscriptions, feed: &Feed, parts: &mut String) {
+    let mut is_first = true;
+    let cursors = &mut subscriptions.seen.samples;
+    for (subscription, sent) in subscriptions.samples.iter_mut().zip(cursors) {
+        if subscription.slot.is_none() {
+            subscription.slot = feed.output(&subscription.name);
+        }
+        let slot = subscription.slot.as_ref();
+        let Some(newest) = slot.and_then(|slot| slot.newer_than(*sent)) else {
+            continue;
+        };
+        *sent = newest.number;
+        parts.push_str(if is_first { ",\"samples\":{" } else { "," });
+        is_first = false;
+        append(
+            parts,
+            format_args!(
                 "{}:{{\"n\":{},\"t\":{},\"wall\":{:.1},\"type\":{},\"data\":{}}}",
                 quoted(&subscription.name),
                 newest.number,
@@ -104,62 +191,54 @@ impl FrameWriter {
                 feed.milliseconds(newest.arrived),
                 quoted(newest.kind()),
                 newest.json(),
-            ));
-        }
-        if !samples.is_empty() {
-            append(
-                parts,
-                format_args!(",\"samples\":{{{}}}", samples.join(",")),
-            );
+            ),
+        );
+    }
+    if !is_first {
+        parts.push('}');
+    }
+}
+
+fn rings(seen: &mut Cursors, feed: &Feed, parts: &mut String) {
+    let state = feed.state();
+    if std::mem::take(&mut seen.needs_states) {
+        let states = serde_json::to_string(&state.specifications);
+        append(
+            parts,
+            format_args!(",\"states\":{}", states.unwrap_or_default()),
+        );
+        let rings = state.history.values();
+        let history: Vec<&str> = rings
+            .flat_map(|ring| ring.since(0).entries.map(|it| &**it))
+            .collect();
+        append(parts, format_args!(",\"history\":[{}]", history.join(",")));
+    }
+    let rings = [
+        ("steps", &state.steps, &mut seen.steps),
+        ("log", &state.log, &mut seen.log),
+        ("calls", &state.calls, &mut seen.calls),
+    ];
+    for (name, ring, cursor) in rings {
+        if let Some(cursor) = cursor {
+            let reading = ring.since(*cursor);
+            list(parts, name, reading.entries, reading.missed);
+            *cursor = reading.next;
         }
     }
-
-    fn rings(&self, subscriptions: &mut Subscriptions, feed: &Feed, parts: &mut String) {
-        let state = feed.state();
-        if std::mem::take(&mut subscriptions.needs_states) {
-            let states = serde_json::to_string(&state.specifications);
-            append(
-                parts,
-                format_args!(",\"states\":{}", states.unwrap_or_default()),
-            );
-            let rings = state.history.values();
-            let history: Vec<&str> = rings
-                .flat_map(|ring| ring.since(0).entries.map(|it| &**it))
-                .collect();
-            append(parts, format_args!(",\"history\":[{}]", history.join(",")));
-        }
-        let rings = [
-            ("steps", &state.steps, &mut subscriptions.steps),
-            ("log", &state.log, &mut subscriptions.log),
-            ("calls", &state.calls, &mut subscriptions.calls),
-        ];
-        for (name, ring, cursor) in rings {
-            if let Some(cursor) = cursor {
-                let reading = ring.since(*cursor);
-                list(parts, name, reading.entries, reading.missed);
-                *cursor = reading.next;
-            }
-        }
-        if let (Some(sent), Some(presence)) = (&mut subscriptions.components, &state.presence)
-            && presence.number > *sent
-        {
-            *sent = presence.number;
-            append(parts, format_args!(",\"components\":{}", presence.json));
-        }
+    if let (Some(sent), Some(presence)) = (&mut seen.components, &state.presence)
+        && presence.number > *sent
+    {
+        *sent = presence.number;
+        append(parts, format_args!(",\"components\":{}", presence.json));
     }
+}
 
-    fn outputs(
-        &mut self,
-        subscriptions: &Subscriptions,
-        feed: &Feed,
-        now: Instant,
-        parts: &mut String,
-    ) {
-        let is_due = |last: Instant| now.duration_since(last) >= SUMMARY;
-        if !subscriptions.outputs || !self.last_summary.is_none_or(is_due) {
-            return;
-        }
-        self.last_summary = Some(now);
+fn outputs(seen: &mut Cursors, feed: &Feed, now: Instant, parts: &mut String) {
+    let interval = interval_number(SUMMARY, now);
+    if let Some(sent) = &mut seen.outputs
+        && *sent != interval
+    {
+        *sent = interval;
         append(parts, format_args!(",\"outputs\":{}", outputs_json(feed)));
     }
 }
@@ -224,4 +303,53 @@ fn list<'a>(
 fn append(parts: &mut String, text: std::fmt::Arguments<'_>) {
     // writing to a string does not fail
     let _ = parts.write_fmt(text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asmotion_datum::Datum;
+    use asmotion_runtime::{Event, Observer};
+
+    fn publish(feed: &mut Feed, value: i64) {
+        let event = Event::Published {
+            component: "Driver",
+            port: "odom",
+            topic: None,
+            sequence: 1,
+            sample: &Datum::Int(value),
+        };
+        feed.observe(Time::ZERO, &event);
+    }
+
+    #[test]
+    fn tabs_that_have_seen_the_same_share_what_is_new_and_others_do_not() {
+        let mut feed = Feed::default();
+        publish(&mut feed, 1);
+        let subscribed = |streams: &[&str]| {
+            let mut subscriptions = Subscriptions::default();
+            let streams: Vec<String> = streams.iter().map(|it| (*it).to_owned()).collect();
+            subscriptions.replace(&streams, &feed, 10).unwrap();
+            subscriptions
+        };
+        let mut one = subscribed(&["log", "Driver.odom"]);
+        let mut two = subscribed(&["log", "Driver.odom"]);
+        let mut other = subscribed(&["log", "Laser.scan"]);
+        let mut shared = SharedFrames::default();
+        shared.begin(Instant::now());
+        let first = shared.news(&mut one, &feed);
+        assert!(Arc::ptr_eq(&first, &shared.news(&mut two, &feed)));
+        assert!(first.contains("\"data\":1"), "{first}");
+        assert_eq!(&*shared.news(&mut other, &feed), "");
+        // one has missed a tick
+        publish(&mut feed, 2);
+        shared.begin(Instant::now());
+        shared.news(&mut one, &feed);
+        publish(&mut feed, 3);
+        shared.begin(Instant::now());
+        let news = [&mut one, &mut two].map(|it| shared.news(it, &feed));
+        assert!(!Arc::ptr_eq(&news[0], &news[1]));
+        assert!(news.iter().all(|it| it.contains("\"data\":3")), "{news:?}");
+        assert!(one.seen == two.seen);
+    }
 }

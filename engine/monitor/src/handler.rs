@@ -12,15 +12,17 @@ use hyper::header::{
 use hyper::upgrade::Upgraded;
 use hyper::{Method, StatusCode};
 use tokio::sync::watch;
-use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
+use tungstenite::handshake::derive_accept_key;
 
 use crate::desk::Desk;
 use crate::feed::Feed;
-use crate::foxglove::FoxgloveSession;
+use crate::foxglove::{FoxgloveSession, SharedMessages};
+use crate::frame::SharedFrames;
 use crate::metrics::ConnectionFigures;
 use crate::past::Past;
 use crate::session::Session;
 use crate::settings::DashboardSettings;
+use crate::ticker::{Shared, Ticker};
 use crate::{assets, foxglove, frame, guard, metrics};
 
 const JSON: &str = "application/json";
@@ -32,9 +34,9 @@ pub(crate) struct DashboardHandler {
     pub feed: Feed,
     pub desk: Arc<Desk>,
     /// The open tabs.
-    pub sessions: SessionTable,
+    pub sessions: SessionTable<SharedFrames>,
     /// The connected viewers.
-    pub viewers: SessionTable,
+    pub viewers: SessionTable<SharedMessages>,
     /// Number of messages that viewers could not follow.
     pub skipped: Arc<AtomicU64>,
     /// Name of the run for viewers.
@@ -44,17 +46,20 @@ pub(crate) struct DashboardHandler {
 }
 
 /// The open WebSockets.
-pub(crate) struct SessionTable {
+pub(crate) struct SessionTable<S> {
     /// Number of the next one.
     next: AtomicU64,
+    /// Their clock.
+    ticker: Arc<Ticker<S>>,
     /// Each session holds a receiver, by which they are counted; the value is set when all have to end.
     pub closing: watch::Sender<bool>,
 }
 
-impl SessionTable {
+impl<S: Shared> SessionTable<S> {
     pub(crate) fn new() -> Self {
         Self {
             next: AtomicU64::new(1),
+            ticker: Ticker::new(),
             closing: watch::Sender::new(false),
         }
     }
@@ -100,9 +105,8 @@ impl HttpHandler for DashboardHandler {
     }
 
     async fn close(&self) {
-        for table in [&self.sessions, &self.viewers] {
-            table.closing.send_replace(true);
-        }
+        self.sessions.closing.send_replace(true);
+        self.viewers.closing.send_replace(true);
         self.sessions.closing.closed().await;
         self.viewers.closing.closed().await;
     }
@@ -171,8 +175,9 @@ impl DashboardHandler {
             past: self.past.clone(),
         };
         let closing = self.sessions.closing.subscribe();
+        let ticker = Arc::clone(&self.sessions.ticker);
         upgrade(request, place, None, |upgraded| {
-            session.run(upgraded, closing)
+            session.run(upgraded, ticker, closing)
         })
     }
 
@@ -195,8 +200,9 @@ impl DashboardHandler {
             skipped: Arc::clone(&self.skipped),
         };
         let closing = self.viewers.closing.subscribe();
+        let ticker = Arc::clone(&self.viewers.ticker);
         upgrade(request, place, Some(protocol), |upgraded| {
-            session.run(upgraded, closing)
+            session.run(upgraded, ticker, closing)
         })
     }
 }

@@ -15,6 +15,7 @@
 mod assets;
 mod bus_link;
 mod catalogue;
+mod client;
 mod dashboard;
 mod desk;
 mod feed;
@@ -38,6 +39,8 @@ mod settings;
 mod socket;
 mod specification_state;
 mod subscriptions;
+mod ticker;
+mod under_way;
 
 pub use asmotion_http::BearerToken;
 pub use bus_link::BusLink;

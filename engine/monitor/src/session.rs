@@ -1,32 +1,32 @@
 //! A session: the WebSocket of one tab.
 //!
-//! The tab acknowledges each frame, and the server has at most two under way. What a tab that is frozen misses is therefore not
-//! in a queue or in the socket: when it continues, its next frame has the newest samples, and counts the steps and log entries
-//! that it has missed.
+//! The tab acknowledges the frames that ask for it, and the server has at most two such frames under way. What a tab that is frozen
+//! misses is therefore not in a queue or in the socket: when it continues, its next frame has the newest samples, and counts the steps
+//! and log entries that it has missed.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use asmotion_datum::Datum;
 use asmotion_remote::{Order, OrderKind};
 use hyper::upgrade::Upgraded;
 use serde_json::json;
 use tokio::sync::{mpsc, watch};
-use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
-use tokio_tungstenite::tungstenite::{Error, Message};
+use tungstenite::Message;
 
+use crate::catalogue::SystemDescription;
+use crate::client::{Client, serve};
 use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
-use crate::frame::FrameWriter;
+use crate::frame::{FrameWriter, SharedFrames};
 use crate::page_request::PageRequest;
 use crate::past::{MomentRequest, Past};
 use crate::settings::DashboardSettings;
-use crate::socket::{self, ClientSocket, closed, next, refuse, send, ticks};
 use crate::subscriptions::{self, Subscriptions};
+use crate::ticker::Ticker;
 
 /// Version of the messages.
 const VERSION: u32 = 1;
-/// Limit on frames that the tab has not acknowledged.
-const MAX_UNDER_WAY: u64 = 2;
 /// Limit on the orders of a tab that have not been carried out.
 const MAX_ORDERS: usize = 8;
 
@@ -47,71 +47,70 @@ pub(crate) struct Session {
 struct SessionProgress {
     subscriptions: Subscriptions,
     writer: FrameWriter,
-    /// Number of the last acknowledged frame.
-    acknowledged: u64,
-    ticks: tokio::time::Interval,
+    interval: Duration,
+    systems: watch::Receiver<Arc<SystemDescription>>,
     replies: mpsc::Sender<String>,
+}
+
+/// A tab as a client.
+struct Tab {
+    session: Session,
+    progress: SessionProgress,
+}
+
+impl Client for Tab {
+    type Shared = SharedFrames;
+
+    fn greeting(&mut self) -> Message {
+        Message::text(self.session.greeting())
+    }
+
+    fn receive(&mut self, text: &str, _: &mut SharedFrames) -> Vec<Message> {
+        let reply = self.session.request(text, &mut self.progress);
+        reply.into_iter().map(Message::text).collect()
+    }
+
+    fn interval(&self) -> Duration {
+        self.progress.interval
+    }
+
+    fn news(&mut self, shared: &mut SharedFrames, is_last: bool) -> Option<Vec<Message>> {
+        if self.progress.systems.has_changed().unwrap_or(false) {
+            self.progress.systems.mark_unchanged();
+            // the tab forgets what it knows, and subscribes again
+            self.progress.subscriptions = Subscriptions::default();
+            return Some(vec![Message::text(self.session.greeting())]);
+        }
+        if !is_last && !self.progress.writer.has_room() {
+            return Some(Vec::new());
+        }
+        let frame = self.session.frame(&mut self.progress, shared);
+        Some(frame.into_iter().map(Message::text).collect())
+    }
 }
 
 impl Session {
     /// Runs the session until the tab or the dashboard closes it.
-    pub(crate) async fn run(self, upgraded: Upgraded, closing: watch::Receiver<bool>) {
-        let mut socket = socket::open(upgraded, self.settings.max_message).await;
-        let _ = self.serve(&mut socket, closing).await;
-        self.desk.disarm(self.client);
-        socket::end(&mut socket).await;
-    }
-
-    /// Serves the tab. Returns an error if the connection is broken.
-    async fn serve(
-        &self,
-        socket: &mut ClientSocket,
-        mut closing: watch::Receiver<bool>,
-    ) -> Result<(), Error> {
-        let (replies, mut replied) = mpsc::channel(MAX_ORDERS);
-        let mut progress = SessionProgress {
+    pub(crate) async fn run(
+        self,
+        upgraded: Upgraded,
+        ticker: Arc<Ticker<SharedFrames>>,
+        closing: watch::Receiver<bool>,
+    ) {
+        let (replies, replied) = mpsc::channel(MAX_ORDERS);
+        let (desk, client) = (Arc::clone(&self.desk), self.client);
+        let max_message = self.settings.max_message;
+        let progress = SessionProgress {
             subscriptions: Subscriptions::default(),
-            writer: FrameWriter::new(),
-            acknowledged: 0,
-            ticks: ticks(subscriptions::interval(2.0)),
+            writer: FrameWriter::default(),
+            interval: subscriptions::interval(2.0),
+            systems: self.feed.systems(),
             replies,
         };
-        let mut systems = self.feed.systems();
-        send(socket, self.greeting()).await?;
-        loop {
-            tokio::select! {
-                message = next(socket) => match message {
-                    Some(Ok(Message::Text(text))) => {
-                        if let Some(reply) = self.request(&text, &mut progress) {
-                            send(socket, reply).await?;
-                        }
-                    }
-                    Some(Ok(Message::Close(_))) | None => return Ok(()),
-                    Some(Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_))) => {}
-                    Some(Ok(Message::Binary(_))) => return refuse(socket, CloseCode::Unsupported).await,
-                    Some(Err(Error::Capacity(_))) => return refuse(socket, CloseCode::Size).await,
-                    Some(Err(error)) => return Err(error),
-                },
-                Some(reply) = replied.recv() => send(socket, reply).await?,
-                Ok(()) = systems.changed() => {
-                    // the tab forgets what it knows, and subscribes again
-                    progress.subscriptions = Subscriptions::default();
-                    send(socket, self.greeting()).await?;
-                }
-                _ = progress.ticks.tick() => {
-                    let under_way = progress.writer.seq - progress.acknowledged;
-                    if under_way < MAX_UNDER_WAY && let Some(frame) = self.frame(&mut progress) {
-                        send(socket, frame).await?;
-                    }
-                }
-                () = closed(&mut closing) => {
-                    if let Some(frame) = self.frame(&mut progress) {
-                        send(socket, frame).await?;
-                    }
-                    return refuse(socket, CloseCode::Away).await;
-                }
-            }
-        }
+        let session = self;
+        let tab = Tab { session, progress };
+        serve((upgraded, max_message), tab, &ticker, replied, closing).await;
+        desk.disarm(client);
     }
 
     /// The first message, with everything that changes only with the system.
@@ -122,14 +121,15 @@ impl Session {
         greeting.to_string()
     }
 
-    fn frame(&self, progress: &mut SessionProgress) -> Option<String> {
+    fn frame(&self, progress: &mut SessionProgress, shared: &mut SharedFrames) -> Option<String> {
         if let Some(past) = &self.past {
-            return progress.writer.heartbeat(past.end());
+            return progress.writer.heartbeat(past.end(), shared);
         }
         let desk = (&*self.desk, self.client);
+        let source = (&self.feed, shared);
         progress
             .writer
-            .next(&mut progress.subscriptions, &self.feed, desk)
+            .next(&mut progress.subscriptions, source, desk)
     }
 
     /// Handles a message of the tab. Returns the immediate reply, if there is one.
@@ -145,7 +145,7 @@ impl Session {
         };
         match request {
             PageRequest::Subscribe { streams, max_hz } => {
-                progress.ticks = ticks(subscriptions::interval(max_hz));
+                progress.interval = subscriptions::interval(max_hz);
                 let limit = self.settings.max_subscriptions;
                 let replaced = progress.subscriptions.replace(&streams, &self.feed, limit);
                 replaced.err().map(|error| problem(None, &error))
@@ -161,13 +161,13 @@ impl Session {
                     t,
                     span,
                     window,
-                    components: progress.subscriptions.components.is_some(),
+                    components: progress.subscriptions.seen.components.is_some(),
                     outputs: Vec::new(),
                     has: &has,
                 },
             )),
             PageRequest::Ack { seq } => {
-                progress.acknowledged = progress.acknowledged.max(seq.min(progress.writer.seq));
+                progress.writer.acknowledge(seq);
                 None
             }
             PageRequest::Arm { token, take } => match self.desk.arm(self.client, &token, take) {

@@ -1,90 +1,126 @@
-//! What the WebSockets of the dashboard share.
+//! The server's end of a WebSocket, which never waits: what the client does not take stays in a buffer.
+//!
+//! Messages are written with one system call for all that are new, from the thread that has them, without a task or a timer for each
+//! client. So the cost of a tick is that of the operating system. The task of the client only waits for what it sends, and for the
+//! socket to take what is in the buffer.
 
-use std::sync::OnceLock;
-use std::time::Duration;
+use std::io::{self, ErrorKind, Read, Write};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use futures_util::sink::SinkExt;
-use futures_util::stream::StreamExt;
-use hyper::upgrade::Upgraded;
-use hyper_util::rt::TokioIo;
-use tokio::sync::watch;
-use tokio::time::{Instant, MissedTickBehavior, timeout};
-use tokio_tungstenite::WebSocketStream;
-use tokio_tungstenite::tungstenite::protocol::{
-    CloseFrame, Role, WebSocketConfig, frame::coding::CloseCode,
-};
-use tokio_tungstenite::tungstenite::{Error, Message};
+use tokio::net::TcpStream;
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
 
 /// Limit on the time in which a message must leave, after which the client is given up.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A WebSocket of a client.
-pub(crate) type ClientSocket = WebSocketStream<TokioIo<Upgraded>>;
-
-/// Opens the server's end of a WebSocket, which takes messages up to this size in bytes.
-pub(crate) async fn open(upgraded: Upgraded, max_message: usize) -> ClientSocket {
-    let config = WebSocketConfig::default()
-        .max_message_size(Some(max_message))
-        .max_frame_size(Some(max_message))
-        // most messages are acknowledgements, and the buffer is cleared before each read
-        .read_buffer_size(2 * 1024);
-    WebSocketStream::from_raw_socket(TokioIo::new(upgraded), Role::Server, Some(config)).await
+pub(crate) struct ClientSocket {
+    web: WebSocket<NonBlocking>,
+    /// Time since when messages wait in the buffer, because the client does not take them; `None` if it is empty.
+    stuck: Option<Instant>,
 }
 
-/// A clock of this interval, which does not make up for missed ticks. Clocks of the same interval tick at the same time, so that the
-/// thread wakes once for all clients.
-pub(crate) fn ticks(interval: Duration) -> tokio::time::Interval {
-    static BEGUN: OnceLock<Instant> = OnceLock::new();
-    let now = Instant::now();
-    let since = now.saturating_duration_since(*BEGUN.get_or_init(|| now));
-    let into = since.as_nanos() % interval.as_nanos().max(1);
-    // an interval is shorter than a century
-    let left = interval.saturating_sub(Duration::from_nanos(u64::try_from(into).unwrap_or(0)));
-    let mut ticks = tokio::time::interval_at(now + left, interval);
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
-    ticks
+/// A stream that returns [`ErrorKind::WouldBlock`] instead of waiting.
+struct NonBlocking(Arc<TcpStream>);
+
+impl Read for NonBlocking {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.try_read(buffer)
+    }
 }
 
-/// Waits until the dashboard closes.
-pub(crate) async fn closed(closing: &mut watch::Receiver<bool>) {
-    let _ = closing.wait_for(|closing| *closing).await;
+impl Write for NonBlocking {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.try_write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
-/// The next message; `None` at the end.
-pub(crate) async fn next(socket: &mut ClientSocket) -> Option<Result<Message, Error>> {
-    socket.next().await
-}
-
-/// Sends a text, and gives the client up if it does not take it.
-pub(crate) async fn send(socket: &mut ClientSocket, text: String) -> Result<(), Error> {
-    send_all(socket, vec![Message::text(text)]).await
-}
-
-/// Sends messages, and gives the client up if it does not take them.
-pub(crate) async fn send_all(
-    socket: &mut ClientSocket,
-    messages: Vec<Message>,
-) -> Result<(), Error> {
-    let sent = timeout(PATIENCE, async {
-        for message in messages {
-            socket.feed(message).await?;
+impl ClientSocket {
+    /// Opens the server's end on a stream, from which `read` was read already. Takes messages up to this size in bytes.
+    pub(crate) fn open(stream: Arc<TcpStream>, read: Vec<u8>, max_message: usize) -> Self {
+        let config = WebSocketConfig::default()
+            .max_message_size(Some(max_message))
+            .max_frame_size(Some(max_message))
+            // most messages are acknowledgements, and the buffer is cleared before each read
+            .read_buffer_size(2 * 1024);
+        let stream = NonBlocking(stream);
+        Self {
+            web: WebSocket::from_partially_read(stream, read, Role::Server, Some(config)),
+            stuck: None,
         }
-        socket.flush().await
-    });
-    sent.await.unwrap_or(Err(Error::ConnectionClosed))
+    }
+
+    /// The next message; `None` if it has not arrived yet.
+    pub(crate) fn next(&mut self) -> Option<Result<Message, Error>> {
+        match self.web.read() {
+            Err(error) if would_block(&error) => None,
+            message => Some(message),
+        }
+    }
+
+    /// Sends messages, or keeps them until the socket takes them.
+    ///
+    /// # Errors
+    /// The connection is broken.
+    pub(crate) fn send(&mut self, messages: Vec<Message>) -> Result<(), Error> {
+        for message in messages {
+            match self.web.write(message) {
+                // it is in the buffer
+                Err(error) if would_block(&error) => {}
+                written => written?,
+            }
+        }
+        self.flush()
+    }
+
+    /// Sends what is in the buffer, as far as the socket takes it.
+    ///
+    /// # Errors
+    /// The connection is broken.
+    pub(crate) fn flush(&mut self) -> Result<(), Error> {
+        match self.web.flush() {
+            Err(error) if would_block(&error) => {
+                self.stuck.get_or_insert_with(Instant::now);
+                Ok(())
+            }
+            flushed => {
+                self.stuck = None;
+                flushed
+            }
+        }
+    }
+
+    /// Returns whether messages wait in the buffer.
+    pub(crate) fn is_stuck(&self) -> bool {
+        self.stuck.is_some()
+    }
+
+    /// Returns whether messages have waited for so long that the client is taken to be gone.
+    pub(crate) fn is_given_up(&self) -> bool {
+        self.stuck.is_some_and(|since| since.elapsed() > PATIENCE)
+    }
+
+    /// Closes the connection, for a reason if there is one.
+    pub(crate) fn close(&mut self, code: Option<CloseCode>) -> Result<(), Error> {
+        let reason = code.map(|code| CloseFrame {
+            code,
+            reason: "".into(),
+        });
+        match self.web.close(reason) {
+            Err(error) if would_block(&error) => {}
+            closed => closed?,
+        }
+        self.flush()
+    }
 }
 
-/// Closes the connection for a reason.
-pub(crate) async fn refuse(socket: &mut ClientSocket, code: CloseCode) -> Result<(), Error> {
-    let reason = CloseFrame {
-        code,
-        reason: "".into(),
-    };
-    let closed = timeout(PATIENCE, socket.close(Some(reason))).await;
-    closed.unwrap_or(Err(Error::ConnectionClosed))
-}
-
-/// Ends a connection, unless it has ended.
-pub(crate) async fn end(socket: &mut ClientSocket) {
-    let _ = timeout(PATIENCE, socket.close(None)).await;
+fn would_block(error: &Error) -> bool {
+    matches!(error, Error::Io(error) if error.kind() == ErrorKind::WouldBlock)
 }

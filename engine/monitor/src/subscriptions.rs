@@ -16,10 +16,26 @@ pub(crate) const RECENT: usize = 300;
 /// The subscriptions of a tab.
 #[derive(Default)]
 pub(crate) struct Subscriptions {
+    /// The outputs whose samples are sent.
+    pub samples: Vec<SampleSubscription>,
+    /// What the tab has seen.
+    pub seen: Cursors,
+}
+
+/// The subscription to the samples of an output.
+pub(crate) struct SampleSubscription {
+    pub name: Arc<str>,
+    /// The output; `None` until it has written.
+    pub slot: Option<Arc<OutputSlot>>,
+}
+
+/// What a tab has seen. Tabs that have subscribed to the same and have seen the same receive the same.
+#[derive(Clone, Default, PartialEq)]
+pub(crate) struct Cursors {
     /// The last presence that was sent; `None` without a subscription.
     pub components: Option<u64>,
-    /// Whether rates and ages of all outputs are sent.
-    pub outputs: bool,
+    /// The interval in which rates and ages of all outputs were sent last; `None` without a subscription.
+    pub outputs: Option<u64>,
     /// The cursor in the steps; `None` without a subscription.
     pub steps: Option<u64>,
     /// Whether the states of the specifications and their last steps have to be sent before the steps.
@@ -28,17 +44,8 @@ pub(crate) struct Subscriptions {
     pub log: Option<u64>,
     /// The cursor in the calls, which belong to the log.
     pub calls: Option<u64>,
-    /// The outputs whose samples are sent.
-    pub samples: Vec<SampleSubscription>,
-}
-
-/// The subscription to the samples of an output.
-pub(crate) struct SampleSubscription {
-    pub name: String,
-    /// The output; `None` until it has written.
-    pub slot: Option<Arc<OutputSlot>>,
-    /// Number of the last sample that was sent.
-    pub sent: u64,
+    /// Number of the last sample that was sent of each output.
+    pub samples: Vec<u64>,
 }
 
 impl Subscriptions {
@@ -60,26 +67,30 @@ impl Subscriptions {
             ));
         }
         let state = feed.state();
-        self.needs_states |= has("steps") && self.steps.is_none();
+        let seen = &mut self.seen;
+        seen.needs_states |= has("steps") && seen.steps.is_none();
         let cursor = |old: Option<u64>, name: &str, new: u64| has(name).then(|| old.unwrap_or(new));
-        self.components = cursor(self.components, "components", 0);
+        seen.components = cursor(seen.components, "components", 0);
+        // no interval has this number
+        seen.outputs = cursor(seen.outputs, "outputs", u64::MAX);
         // older steps come with the states
-        self.steps = cursor(self.steps, "steps", state.steps.count());
-        self.log = cursor(self.log, "log", state.log.cursor_before(RECENT));
-        self.calls = cursor(self.calls, "log", state.calls.cursor_before(RECENT));
+        seen.steps = cursor(seen.steps, "steps", state.steps.count());
+        seen.log = cursor(seen.log, "log", state.log.cursor_before(RECENT));
+        seen.calls = cursor(seen.calls, "log", state.calls.cursor_before(RECENT));
         drop(state);
-        self.outputs = has("outputs");
-        let mut old = std::mem::take(&mut self.samples);
+        let numbers = std::mem::take(&mut seen.samples);
+        let mut old: Vec<_> = self.samples.drain(..).zip(numbers).collect();
         for name in outputs {
-            let known = old.iter().position(|it| it.name == *name);
-            self.samples.push(known.map_or_else(
-                || SampleSubscription {
-                    name: name.clone(),
-                    slot: None,
-                    sent: 0,
+            let known = old.iter().position(|(it, _)| &*it.name == name);
+            let (subscription, number) = known.map_or_else(
+                || {
+                    let (name, slot) = (name.as_str().into(), None);
+                    (SampleSubscription { name, slot }, 0)
                 },
                 |index| old.swap_remove(index),
-            ));
+            );
+            self.samples.push(subscription);
+            self.seen.samples.push(number);
         }
         Ok(())
     }

@@ -174,6 +174,9 @@ impl Clients {
     fn tabs(system: &LoadedSystem, count: usize) -> Self {
         Self::start(system, count, ("/live", None), |socket, text| {
             let message: Value = serde_json::from_str(text).unwrap();
+            if message["ack"] == false {
+                return;
+            }
             let answer = if message["type"] == "hello" {
                 let streams = [
                     "components",
@@ -231,20 +234,31 @@ fn memory_kb() -> i64 {
     number.parse().unwrap()
 }
 
-/// CPU time of the threads with this name.
-fn cpu_time(thread: &str) -> Duration {
-    let tasks = std::fs::read_dir("/proc/self/task").unwrap();
-    let times = tasks.filter_map(|task| {
+/// What the thread of the server has used until now.
+struct ServerCost {
+    /// On a processor, in its own code and in the operating system.
+    cpu: Duration,
+    /// Number of times that it has waited.
+    waits: u64,
+}
+
+fn server_cost() -> ServerCost {
+    let mut tasks = std::fs::read_dir("/proc/self/task").unwrap();
+    let folder = tasks.find_map(|task| {
         let folder = task.ok()?.path();
         let name = std::fs::read_to_string(folder.join("comm")).ok()?;
-        if name.trim() != thread {
-            return None;
-        }
-        // nanoseconds on a processor are the first number
-        let times = std::fs::read_to_string(folder.join("schedstat")).ok()?;
-        times.split(' ').next()?.parse::<u64>().ok()
+        (name.trim() == "dashboard").then_some(folder)
     });
-    Duration::from_nanos(times.sum())
+    let read = |file| std::fs::read_to_string(folder.as_ref().unwrap().join(file)).unwrap();
+    let (times, status) = (read("schedstat"), read("status"));
+    let switches = status
+        .lines()
+        .find_map(|it| it.strip_prefix("voluntary_ctxt_switches:"));
+    ServerCost {
+        // nanoseconds on a processor are the first number
+        cpu: Duration::from_nanos(times.split(' ').next().unwrap().parse().unwrap()),
+        waits: switches.unwrap().trim().parse().unwrap(),
+    }
 }
 
 #[test]
@@ -304,11 +318,16 @@ fn ten_clients_at_50_hz() {
             }
         };
         run(2);
-        let (began, before) = (Instant::now(), cpu_time("dashboard"));
+        let received = || -> u64 { clients.iter().flat_map(Clients::received).sum() };
+        let (began, before, first) = (Instant::now(), server_cost(), received());
         run(10);
-        let cpu = cpu_time("dashboard") - before;
-        let share = 100.0 * cpu.as_secs_f64() / began.elapsed().as_secs_f64();
-        let received = clients.map(Clients::end).unwrap_or_default();
-        println!("{name}: {share:.2} % of a core; messages: {received:?}");
+        let (cost, seconds) = (server_cost(), began.elapsed().as_secs_f64());
+        let share = 100.0 * (cost.cpu - before.cpu).as_secs_f64() / seconds;
+        let waits = (cost.waits - before.waits) as f64 / seconds;
+        let each = (received() - first) as f64 / seconds / 10.0;
+        println!(
+            "{name}: {share:.2} % of a core, {waits:.0} waits a second; {each:.0} messages a second for each"
+        );
+        clients.map(Clients::end);
     }
 }

@@ -395,7 +395,7 @@ fn a_tab_that_is_frozen_does_not_see_the_past_as_the_present() {
     fixture.publish(0);
     client.frame_with("samples");
     // it acknowledges nothing, while the system continues
-    for value in 1..=5000 {
+    for value in 1..=10_000 {
         fixture.publish(value);
         fixture.report(&format!("entry {value}"));
         if value % 1000 == 0 {
@@ -411,20 +411,57 @@ fn a_tab_that_is_frozen_does_not_see_the_past_as_the_present() {
     while let Ok(Message::Text(text)) = client.0.read() {
         frames.push(serde_json::from_str::<Value>(&text).unwrap());
     }
-    assert!(frames.len() <= 2, "{} frames were waiting", frames.len());
+    // those of two intervals of 50 ms; the last one asks for an acknowledgement
+    assert!(frames.len() <= 5, "{} frames were waiting", frames.len());
+    assert_eq!(frames.last().unwrap()["ack"], true);
     client.0.get_ref().set_read_timeout(Some(PATIENCE)).unwrap();
     let last = frames.last().unwrap();
     client.send(&json!({ "type": "ack", "seq": last["seq"] }));
     let newest = client.frame_with("samples");
-    assert_eq!(newest["samples"]["Driver.odom"]["data"], 5000);
+    assert_eq!(newest["samples"]["Driver.odom"]["data"], 10_000);
     let entries = newest["log"].as_array().unwrap();
-    assert_eq!(entries.last().unwrap()["text"], "entry 5000");
+    assert_eq!(entries.last().unwrap()["text"], "entry 10000");
     let seen: usize = frames
         .iter()
         .filter_map(|it| Some(it["log"].as_array()?.len()))
         .sum();
     let missed = newest["missed_log"].as_u64().unwrap();
-    assert_eq!(seen as u64 + missed + entries.len() as u64, 5000);
+    assert_eq!(seen as u64 + missed + entries.len() as u64, 10_000);
+}
+
+#[test]
+fn a_tab_whose_socket_is_full_delays_nobody_and_receives_whole_messages() {
+    let mut fixture = Fixture::open(|_| {});
+    let (mut full, mut other) = (fixture.client(), fixture.client());
+    full.subscribe(&["Driver.odom"]);
+    other.subscribe(&["Driver.odom", "log"]);
+    fixture.publish(1);
+    for client in [&mut full, &mut other] {
+        client.frame_with("samples");
+    }
+    // more than the buffers of a connection take
+    let large = Datum::text("x".repeat(12 << 20));
+    fixture.feed.observe(Time::ZERO, &published(&large));
+    other.frame_with("samples");
+    for value in 2..=20 {
+        fixture.publish(value);
+        fixture.report(&format!("entry {value}"));
+        let log = other.frame_with("log")["log"].clone();
+        assert!(log.to_string().contains(&format!("entry {value}")));
+    }
+    let begun = Instant::now();
+    let mut lengths = Vec::new();
+    loop {
+        let frame = full.frame_with("samples");
+        let data = &frame["samples"]["Driver.odom"]["data"];
+        lengths.push(data.as_str().map_or(0, str::len));
+        if *data == 20 {
+            break;
+        }
+        assert!(begun.elapsed() < PATIENCE);
+    }
+    // nothing of what was published meanwhile waited behind the large sample
+    assert!(matches!(lengths[..], [0] | [12_582_912, 0]), "{lengths:?}");
 }
 
 #[test]

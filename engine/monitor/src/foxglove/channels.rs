@@ -1,6 +1,6 @@
 //! The channels that a viewer can subscribe to.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use asmotion_viewer_encoding::ChannelSchema;
@@ -21,7 +21,6 @@ pub(super) struct ViewerChannel {
 }
 
 /// The origin of the messages of a channel.
-#[derive(Clone)]
 pub(super) enum ChannelSource {
     /// Samples of outputs: of the one output, or of all outputs that write to the topic.
     Samples(Vec<Arc<OutputSlot>>),
@@ -35,49 +34,86 @@ pub(super) enum ChannelSource {
     Log,
 }
 
-/// The channels by number. Numbers are not used again.
+impl ChannelSource {
+    /// Returns whether this is the same origin.
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Samples(these), Self::Samples(those)) => {
+                let pairs = these.iter().zip(those);
+                these.len() == those.len() && pairs.into_iter().all(|(one, it)| Arc::ptr_eq(one, it))
+            }
+            (Self::Frames(one), Self::Frames(it)) => Arc::ptr_eq(one, it),
+            (Self::Steps(one), Self::Steps(it)) => one == it,
+            (Self::State(component, state), Self::State(it, known)) => {
+                component == it && state == known
+            }
+            (Self::Log, Self::Log) => true,
+            (
+                Self::Samples(_) | Self::Frames(_) | Self::Steps(_) | Self::State(..) | Self::Log,
+                _,
+            ) => false,
+        }
+    }
+}
+
+/// The channels by number, for all viewers. Numbers are not used again.
 #[derive(Default)]
 pub(super) struct ViewerChannels {
-    known: BTreeMap<u32, ViewerChannel>,
+    known: BTreeMap<u32, Arc<ViewerChannel>>,
     last: u32,
+    /// Number of times that channels came or went.
+    version: u64,
 }
 
 impl ViewerChannels {
-    pub(super) fn get(&self, id: u32) -> Option<&ViewerChannel> {
+    pub(super) fn get(&self, id: u32) -> Option<&Arc<ViewerChannel>> {
         self.known.get(&id)
     }
 
-    /// Finds what is new. Returns the messages that say so, and the numbers of the channels that no longer exist.
-    pub(super) fn discover(&mut self, feed: &Feed) -> (Vec<Value>, Vec<u32>) {
+    /// Number of times that channels came or went.
+    pub(super) fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Finds what is new.
+    pub(super) fn discover(&mut self, feed: &Feed) {
         let found = found(feed);
-        let is_current = |channel: &ViewerChannel| {
+        let before = self.known.len();
+        self.known.retain(|_, channel| {
             let same = found.get(&channel.name);
             same.is_some_and(|it| it.schema == channel.schema)
-        };
-        let outdated = self.known.iter().filter(|(_, it)| !is_current(it));
-        let outdated: Vec<u32> = outdated.map(|(id, _)| *id).collect();
-        for id in &outdated {
-            self.known.remove(id);
-        }
-        let mut advertised = Vec::new();
+        });
+        let mut is_other = self.known.len() < before;
         for (name, channel) in found {
             let known = self.known.values_mut().find(|it| it.name == name);
             if let Some(known) = known {
-                known.source = channel.source;
+                if !known.source.is(&channel.source) {
+                    *known = Arc::new(channel);
+                }
                 continue;
             }
             self.last += 1;
-            advertised.push(described(self.last, &channel));
-            self.known.insert(self.last, channel);
+            self.known.insert(self.last, Arc::new(channel));
+            is_other = true;
         }
+        self.version += u64::from(is_other);
+    }
+
+    /// Makes the channels that a viewer knows equal to these. Returns the messages that say so to the viewer.
+    pub(super) fn tell(&self, advertised: &mut BTreeSet<u32>) -> Vec<Value> {
+        let outdated = advertised.iter().filter(|id| !self.known.contains_key(id));
+        let outdated: Vec<u32> = outdated.copied().collect();
+        let new = self.known.iter().filter(|(id, _)| !advertised.contains(id));
+        let new: Vec<Value> = new.map(|(id, channel)| described(*id, channel)).collect();
+        *advertised = self.known.keys().copied().collect();
         let mut news = Vec::new();
         if !outdated.is_empty() {
-            news.push(json!({ "op": "unadvertise", "channelIds": &outdated }));
+            news.push(json!({ "op": "unadvertise", "channelIds": outdated }));
         }
-        if !advertised.is_empty() {
-            news.push(json!({ "op": "advertise", "channels": advertised }));
+        if !new.is_empty() {
+            news.push(json!({ "op": "advertise", "channels": new }));
         }
-        (news, outdated)
+        news
     }
 }
 

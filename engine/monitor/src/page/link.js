@@ -42,7 +42,7 @@ export class Link {
         break;
       case "frame":
         this.store.frame(message);
-        this.unacknowledged = message.seq;
+        if (message.ack) this.unacknowledged = message.seq;
         // a tab that is not drawn does not ask for more than it has asked for
         if (document.hidden) this.acknowledge();
         break;

@@ -1,0 +1,163 @@
+//! The clock of all clients of a kind. Clocks of the same interval tick at the same time: the thread wakes once for all of them, with
+//! one timer, and what one client has needed in a tick is there for the next one.
+
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use tokio::sync::Notify;
+use tokio::time::sleep_until;
+
+/// A client of a ticker, with what all of its clients share.
+pub(crate) trait Ticked<S>: Send + Sync {
+    /// Time of the next tick.
+    fn due(&self) -> Instant;
+    /// A tick.
+    fn tick(&self, shared: &mut S);
+}
+
+/// What clients share.
+pub(crate) trait Shared: Default + Send + 'static {
+    /// The clients tick at this time.
+    fn begin(&mut self, now: Instant);
+}
+
+/// The clients that tick together.
+pub(crate) struct Ticker<S> {
+    clients: Mutex<TickedClients<S>>,
+    /// Locked before a client, never after it.
+    shared: Mutex<S>,
+    /// A client is new, or ticks at another time.
+    changed: Notify,
+}
+
+struct TickedClients<S> {
+    all: Vec<Arc<dyn Ticked<S>>>,
+    /// Whether a task ticks, which it does as long as there are clients.
+    is_ticking: bool,
+}
+
+/// Lets a client tick as long as this exists.
+pub(crate) struct TickGuard<S: Shared> {
+    ticker: Arc<Ticker<S>>,
+    client: Arc<dyn Ticked<S>>,
+}
+
+impl<S: Shared> Ticker<S> {
+    pub(crate) fn new() -> Arc<Self> {
+        Arc::new(Self {
+            clients: Mutex::new(TickedClients {
+                all: Vec::new(),
+                is_ticking: false,
+            }),
+            shared: Mutex::default(),
+            changed: Notify::new(),
+        })
+    }
+
+    fn clients(&self) -> MutexGuard<'_, TickedClients<S>> {
+        self.clients.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Locks what the clients share.
+    pub(crate) fn shared(&self) -> MutexGuard<'_, S> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds a client.
+    pub(crate) fn add(self: &Arc<Self>, client: Arc<dyn Ticked<S>>) -> TickGuard<S> {
+        let mut clients = self.clients();
+        clients.all.push(Arc::clone(&client));
+        if !std::mem::replace(&mut clients.is_ticking, true) {
+            tokio::spawn(Arc::clone(self).run());
+        }
+        drop(clients);
+        self.rearrange();
+        TickGuard {
+            ticker: Arc::clone(self),
+            client,
+        }
+    }
+
+    /// A client ticks at another time than before.
+    pub(crate) fn rearrange(&self) {
+        self.changed.notify_one();
+    }
+
+    /// Ticks until no client is left.
+    async fn run(self: Arc<Self>) {
+        loop {
+            let next = {
+                let mut clients = self.clients();
+                let Some(next) = clients.all.iter().map(|it| it.due()).min() else {
+                    clients.is_ticking = false;
+                    return;
+                };
+                next
+            };
+            tokio::select! {
+                () = sleep_until(next.into()) => self.tick(),
+                () = self.changed.notified() => {}
+            }
+        }
+    }
+
+    fn tick(&self) {
+        let now = Instant::now();
+        let clients = self.clients();
+        let due = clients.all.iter().filter(|it| it.due() <= now);
+        let due: Vec<_> = due.cloned().collect();
+        drop(clients);
+        let mut shared = self.shared();
+        shared.begin(now);
+        for client in due {
+            client.tick(&mut shared);
+        }
+    }
+}
+
+impl<S: Shared> Drop for TickGuard<S> {
+    fn drop(&mut self) {
+        let mut clients = self.ticker.clients();
+        clients.all.retain(|it| !Arc::ptr_eq(it, &self.client));
+        drop(clients);
+        self.ticker.rearrange();
+    }
+}
+
+/// Number of the interval of this length that a time lies in, since the first call. Two times in the same interval have the same number
+/// for every client.
+pub(crate) fn interval_number(interval: Duration, at: Instant) -> u64 {
+    let number = since_beginning(at).as_nanos() / interval.as_nanos().max(1);
+    // an interval of a nanosecond lasts for centuries
+    u64::try_from(number).unwrap_or(u64::MAX)
+}
+
+/// The next tick of a clock of this interval. Missed ticks are not made up for.
+pub(crate) fn next_tick(interval: Duration, now: Instant) -> Instant {
+    let into = since_beginning(now).as_nanos() % interval.as_nanos().max(1);
+    // an interval is shorter than a century
+    now + interval.saturating_sub(Duration::from_nanos(u64::try_from(into).unwrap_or(0)))
+}
+
+fn since_beginning(at: Instant) -> Duration {
+    static BEGUN: OnceLock<Instant> = OnceLock::new();
+    at.saturating_duration_since(*BEGUN.get_or_init(|| at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn clocks_of_an_interval_tick_at_the_same_time() {
+        let interval = Duration::from_millis(20);
+        let begun = Instant::now();
+        let first = next_tick(interval, begun);
+        assert!(first > begun && first <= begun + interval);
+        let later = first - Duration::from_nanos(1);
+        assert_eq!(next_tick(interval, later), first);
+        assert_eq!(next_tick(interval, first), first + interval);
+        let numbers = [later, first].map(|at| interval_number(interval, at));
+        assert_eq!(numbers[0] + 1, numbers[1]);
+    }
+}
