@@ -6,13 +6,13 @@
 //! properties are therefore verified once more, without the others.
 
 use crate::formula::Formula;
-use crate::logic::FairnessFormula;
+use crate::logic::{FairnessFormula, visit_conditions};
 use crate::operator::Operator;
 use crate::preparation::{Prepared, Property};
 use crate::property::PropertyKind;
 use asmotion_lang::Machine;
 use asmotion_lang::hir::FunctionId;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Inputs, by the machines that read them.
 pub(crate) type InputFunctions = BTreeSet<(usize, FunctionId)>;
@@ -92,39 +92,48 @@ impl Prepared {
     /// Returns one property with what its verdict depends on.
     pub fn alone(&self, index: usize) -> Option<Self> {
         let property = self.properties.get(index)?;
-        let mut numbers = Renumbered::default();
-        let formula = numbers.formula(&property.formula);
+        let mut used: BTreeSet<usize> = self.conditions.assumed.iter().copied().collect();
+        used.extend(&property.antecedents);
+        visit_conditions(&property.formula, &mut |index| {
+            used.insert(index);
+        });
+        for constraint in &self.fairness {
+            for formula in constraint.formulas() {
+                visit_conditions(formula, &mut |index| {
+                    used.insert(index);
+                });
+            }
+        }
+        let numbers = Renumbered(used.into_iter().collect());
         let antecedents = property.antecedents.iter();
-        let antecedents = antecedents.map(|it| numbers.condition(*it)).collect();
         let fairness = self.fairness.iter().map(|constraint| match constraint {
             FairnessFormula::Justice(often) => FairnessFormula::Justice(numbers.formula(often)),
             FairnessFormula::Compassion(cause, effect) => {
                 FairnessFormula::Compassion(numbers.formula(cause), numbers.formula(effect))
             }
         });
-        let fairness = fairness.collect();
         let assumed = self.conditions.assumed.iter();
-        let assumed = assumed.map(|it| numbers.condition(*it)).collect();
         let mut alone = Self {
             properties: vec![Property {
                 name: property.name.clone(),
                 text: property.text.clone(),
                 inputs: property.inputs.clone(),
-                formula,
-                antecedents,
+                formula: numbers.formula(&property.formula),
+                antecedents: antecedents.map(|it| numbers.condition(*it)).collect(),
                 ..*property
             }],
-            fairness,
+            fairness: fairness.collect(),
             has_fairness: self.has_fairness,
             has_several_starts: self.has_several_starts,
             assumptions: self.assumptions.clone(),
             common_inputs: self.common_inputs.clone(),
             ..Self::default()
         };
-        alone.conditions.assumed = assumed;
-        for known in numbers.known {
-            alone.conditions.terms.push(*self.conditions.terms.get(known)?);
-            alone.texts.push(self.texts.get(known)?.clone());
+        alone.conditions.assumed = assumed.map(|it| numbers.condition(*it)).collect();
+        for known in &numbers.0 {
+            let term = self.conditions.terms.get(*known)?;
+            alone.conditions.terms.push(*term);
+            alone.texts.push(self.texts.get(*known)?.clone());
         }
         Some(alone)
     }
@@ -175,23 +184,15 @@ fn is_about_runs(formula: &Formula, is_positive: bool) -> bool {
     }
 }
 
-/// New indices of conditions, in the order in which they are met.
-#[derive(Default)]
-struct Renumbered {
-    known: Vec<usize>,
-    new: BTreeMap<usize, usize>,
-}
+/// New indices of conditions: the conditions that remain, in ascending order.
+struct Renumbered(Vec<usize>);
 
 impl Renumbered {
-    fn condition(&mut self, index: usize) -> usize {
-        let known = &mut self.known;
-        *self.new.entry(index).or_insert_with(|| {
-            known.push(index);
-            known.len() - 1
-        })
+    fn condition(&self, index: usize) -> usize {
+        self.0.partition_point(|known| *known < index)
     }
 
-    fn formula(&mut self, formula: &Formula) -> Formula {
+    fn formula(&self, formula: &Formula) -> Formula {
         match formula {
             Formula::Constant(truth) => Formula::Constant(*truth),
             Formula::Condition(index) => Formula::Condition(self.condition(*index)),

@@ -25,7 +25,7 @@ use crate::options::Engine;
 use crate::options::{InputValues, Options, Storage};
 use crate::own_inputs::InputFunctions;
 use crate::preparation::{Prepared, prepare, report_of};
-use crate::property::CheckedProperty;
+use crate::property::{CheckedProperty, Note};
 use crate::regions::RepresentedInput;
 use crate::reuse::{self, KeptExploration};
 use crate::spill::Spill;
@@ -356,6 +356,8 @@ impl Exploring<'_> {
             let known = found.properties.iter_mut().find(|it| is_it(it));
             if let (Some(known), Some(checked)) = (known, of_property.properties.into_iter().next()) {
                 *known = checked;
+                // the states that all properties share are complete
+                known.notes.extend(of_property.incomplete.map(Note::Undecided));
             }
         }
         Ok(found)

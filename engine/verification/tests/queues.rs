@@ -125,9 +125,45 @@ fn a_topic_is_a_queue_as_large_as_those_of_the_connections_into_it() {
     assert_eq!(heard(&topic(2)).0, ["FIRST", "SECOND"]);
 }
 
+/// Between specifications, also large queues are those of the composite, and those that it does not write.
 #[test]
-fn a_queue_that_is_too_large_for_the_model_is_an_assumption() {
-    let (_, assumptions) = heard(&connected("{ type = \"buffer\", size = 100 }"));
+fn queues_between_specifications_are_exact() {
+    let all = ["FIRST", "SECOND", "THIRD"];
+    let newest = "[[connections]]\nfrom = \"Sender.said\"\nto = \"Receiver.heard\"\n";
+    let subscribed = files("")
+        .change(
+            "burst.composite.toml",
+            "ports.in = { heard = \"std_msgs/String\" }",
+            "subscribe = { heard = \"std_msgs/String\" }\nrename = { heard = \"words\" }",
+        )
+        .change(
+            "burst.composite.toml",
+            "ports.out = { said = \"std_msgs/String\" }",
+            "publish = { said = \"std_msgs/String\" }\nrename = { said = \"words\" }",
+        );
+    for (composite, words) in [
+        (connected("{ type = \"buffer\", size = 100 }"), all.as_slice()),
+        (files(newest), &["THIRD"]),
+        (subscribed, &all),
+    ] {
+        let (found, assumptions) = heard(&composite);
+        assert_eq!(found, words);
+        assert!(
+            !assumptions.iter().any(|it| it.contains("wait")),
+            "{assumptions:?}"
+        );
+    }
+}
+
+/// A protocol may send without end.
+#[test]
+fn a_queue_for_messages_of_a_protocol_that_is_too_large_for_the_model_is_an_assumption() {
+    let composite = connected("{ type = \"buffer\", size = 100 }").change(
+        "burst.composite.toml",
+        "activity = { period_ms = 25 }",
+        "activity = { period_ms = 25 }\nprotocol = \"sender.asm\"",
+    );
+    let (_, assumptions) = heard(&composite);
     assert!(
         assumptions
             .iter()
