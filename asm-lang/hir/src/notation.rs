@@ -39,10 +39,7 @@ const NOTATIONS: &[Notation] = &[
     (&["EG"], ("eg(…)", "in all states of some run"), None),
     (
         &["AU", "A", "U", "until"],
-        (
-            "au(…, …)",
-            "on every run, one condition until the other",
-        ),
+        ("au(…, …)", "on every run, one condition until the other"),
         Some(("u(…, …)", "one condition until the other")),
     ),
     (
@@ -52,10 +49,7 @@ const NOTATIONS: &[Notation] = &[
     ),
     (
         &["AW", "W"],
-        (
-            "aw(…, …)",
-            "on every run, one condition unless the other",
-        ),
+        ("aw(…, …)", "on every run, one condition unless the other"),
         None,
     ),
 ];

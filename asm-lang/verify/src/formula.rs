@@ -86,11 +86,7 @@ impl FormulaProblem {
                 operator: name,
                 expected,
             },
-            Self::Nested
-            | Self::Range
-            | Self::Count
-            | Self::Invariant(_)
-            | Self::Condition => self,
+            Self::Nested | Self::Range | Self::Count | Self::Invariant(_) | Self::Condition => self,
         }
     }
 }

@@ -78,7 +78,9 @@ impl Prepared {
         // from every state that can be reached, the same states can be reached again after the next step
         let is_recurrence = match &property.formula {
             Formula::Apply(Operator::Ag, operands) => match operands.as_slice() {
-                [Formula::Apply(Operator::Ef, reached)] => reached.iter().all(Formula::is_condition),
+                [Formula::Apply(Operator::Ef, reached)] => {
+                    reached.iter().all(Formula::is_condition)
+                }
                 _ => false,
             },
             Formula::Constant(_)

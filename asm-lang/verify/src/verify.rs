@@ -354,10 +354,13 @@ impl Exploring<'_> {
                     && (&it.kind, &it.text) == (&property.kind, &property.text)
             };
             let known = found.properties.iter_mut().find(|it| is_it(it));
-            if let (Some(known), Some(checked)) = (known, of_property.properties.into_iter().next()) {
+            if let (Some(known), Some(checked)) = (known, of_property.properties.into_iter().next())
+            {
                 *known = checked;
                 // the states that all properties share are complete
-                known.notes.extend(of_property.incomplete.map(Note::Undecided));
+                known
+                    .notes
+                    .extend(of_property.incomplete.map(Note::Undecided));
             }
         }
         Ok(found)
