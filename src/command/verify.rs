@@ -300,15 +300,15 @@ impl Verify {
         } else {
             show::text(path, verification, time, self.memory_limit(), terminal);
             if self.symmetry() && verification.symmetric.is_empty() {
-                show::without_symmetry(terminal);
+                show::without_symmetry(verification, terminal);
             }
             // states that were known before are all those that are needed
             let is_known = verification.is_reused;
             if self.cone() && verification.left_out.is_empty() && !is_known {
-                show::without_cone(terminal);
+                show::without_cone(verification, terminal);
             }
             if self.independent() && !verification.has_left_out_steps {
-                show::without_independence(terminal);
+                show::without_independence(verification, terminal);
             }
             if self.advice {
                 show::advice(verification, terminal);

@@ -618,6 +618,30 @@ default init s0:
     assert!(exit == 2 && err.contains("without `--symmetry`"), "{err}");
 }
 
+/// Several specifications have the results that they have without reductions, which say why they do nothing.
+#[test]
+fn reductions_say_that_they_are_for_one_specification() {
+    let system = [
+        "verify",
+        "--together",
+        "specs/courier/courier.asm",
+        "specs/courier/dispatcher.asm",
+        "--bound",
+        "8",
+        "--property",
+        "courier.jobs <= 1",
+    ];
+    let verdict = |out: &str| out.lines().nth(1).map(ToOwned::to_owned);
+    let (plain_exit, plain, _) = run(&system);
+    for option in ["--independent", "--symmetry", "--cone"] {
+        let (exit, out, err) = run(&[&system[..], &[option]].concat());
+        assert_eq!((exit, err.as_str()), (plain_exit, ""), "{out}");
+        assert_eq!(verdict(&out), verdict(&plain), "{out}");
+        let note = format!("note `{option}` has no effect: it is for one specification");
+        assert!(out.contains(&note), "{out}");
+    }
+}
+
 #[test]
 fn symmetry_names_the_domains_and_says_when_it_has_no_effect() {
     let text = "asm workers

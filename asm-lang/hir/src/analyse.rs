@@ -25,6 +25,7 @@ use crate::model::{
     Added, AgentProgram, Body, DomainKind, FunctionId, FunctionKind, Invariant, Meaning, Model,
     PropertyLogic, Reserved, TemporalProperty, Term, Variable, kind_name,
 };
+use crate::notation::temporal_notation;
 use crate::options::ReadOptions;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -343,7 +344,9 @@ impl Analysis<'_> {
         for property in &tree.properties {
             let (logic, formulas) = match &property.kind {
                 ast::PropertyKind::Invariant { body, .. } => {
+                    let first_finding = self.declared.report.diagnostics.len();
                     let condition = self.condition(unit, body, "an invariant");
+                    self.explain_notations(first_finding, PropertyLogic::Ctl);
                     let name = match &property.name {
                         Some(name) => name.text.clone(),
                         None => Arc::from(self.sources.snippet(body.span)),
@@ -365,10 +368,12 @@ impl Analysis<'_> {
                 .first()
                 .map_or("", |body| self.sources.snippet(body.span));
             let text = Arc::from(text);
+            let first_finding = self.declared.report.diagnostics.len();
             let formulas = formulas
                 .into_iter()
                 .map(|body| self.condition(unit, body, "a property"))
                 .collect();
+            self.explain_notations(first_finding, logic);
             let name = property.name.as_ref().map(|name| name.text.clone());
             self.properties.push(TemporalProperty {
                 name,
@@ -377,6 +382,22 @@ impl Analysis<'_> {
                 formulas,
                 span: property.span,
             });
+        }
+    }
+
+    /// Names the operators to write in place of unknown names that are operators in other notations, in the findings about a property.
+    fn explain_notations(&mut self, first_finding: usize, logic: PropertyLogic) {
+        let findings = &mut self.declared.report.diagnostics;
+        let unknown = [UnknownFunction::CODE, UnknownConstant::CODE];
+        for finding in findings.iter_mut().skip(first_finding) {
+            let place = finding.primary.as_ref().map(|label| label.span);
+            let word = place.map_or("", |place| self.sources.snippet(place));
+            if finding.is_any(&unknown)
+                && let Some((operator, meaning)) = temporal_notation(word, Some(logic))
+            {
+                finding.helps = vec![format!("{meaning}: write `{operator}`")];
+                finding.fix = None;
+            }
         }
     }
 

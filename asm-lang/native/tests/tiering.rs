@@ -121,3 +121,29 @@ fn a_large_specification_is_compiled_within_bounds() {
         }
     }
 }
+
+/// Returns the processor time of the calling thread, where the kernel counts it.
+fn processor_time() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds = text.split_whitespace().next()?.parse().ok()?;
+    Some(Duration::from_nanos(nanoseconds))
+}
+
+/// Prints the processor time of the compilation of `coord`, which depends less on other load than the time does.
+#[test]
+fn a_coordinator_is_compiled_within_a_bound() {
+    const TIMES: u32 = 50;
+    let text = include_str!("../../../benches/machines/coord.asm");
+    let machines = (0..TIMES).map(|_| machine(text));
+    let mut machines: Vec<Machine> = machines.collect();
+    let Some(before) = processor_time() else {
+        return;
+    };
+    for machine in &mut machines {
+        machine.set_back_end(BackEnd::Native).unwrap();
+    }
+    // the kernel adds to its count a few times in 10 ms
+    let each = (processor_time().unwrap() - before) / TIMES;
+    println!("compilation of coord: {each:?} of processor time");
+    assert!(each < Duration::from_millis(200), "{each:?}");
+}

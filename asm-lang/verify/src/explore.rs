@@ -5,11 +5,13 @@
 
 use crate::decisions::{Decision, InputValue};
 use crate::fair_moves::MovedSet;
+use crate::own_inputs::InputFunctions;
 use crate::parents::Parents;
 use crate::spill::{Spill, Table};
 use crate::store::{StateStorage, StateStore};
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};
 use asmotion_lang::Machine;
+use asmotion_lang::hir::FunctionId;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
@@ -330,6 +332,13 @@ impl Exploration {
         self.input_memory += 2 * (32 + inputs.len() * (size_of::<InputValue>() + 32));
         self.inputs.push(inputs);
         self.inputs.len() as u32 - 1
+    }
+
+    /// Returns the inputs by which nodes of one state differ.
+    pub fn told_apart(&self) -> InputFunctions {
+        let inputs = self.inputs.iter().flatten();
+        let function = |it: &InputValue| (it.machine, FunctionId(it.function.0));
+        inputs.map(function).collect()
     }
 
     /// Returns the known inputs of a node.

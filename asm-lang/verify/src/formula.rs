@@ -74,6 +74,8 @@ pub(crate) enum FormulaProblem {
     Count,
     /// A temporal operator in an invariant.
     Invariant(Logic),
+    /// A temporal operator in an assumption, a fairness constraint, or another condition about single states.
+    Condition,
 }
 
 impl FormulaProblem {
@@ -84,7 +86,7 @@ impl FormulaProblem {
                 operator: name,
                 expected,
             },
-            Self::Nested | Self::Range | Self::Count | Self::Invariant(_) => self,
+            Self::Nested | Self::Range | Self::Count | Self::Invariant(_) | Self::Condition => self,
         }
     }
 }

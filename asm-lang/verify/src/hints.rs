@@ -3,36 +3,8 @@
 
 use crate::system::VerifiedMachine;
 use asmotion_diagnostics::{Sources, did_you_mean, similar};
+use asmotion_lang::hir::temporal_notation;
 use asmotion_lang::{Diagnostic, Report, Specification};
-
-/// Operators of branching time in other notations and in words, with the operator that is to be written, and its meaning.
-const NOTATIONS: &[(&[&str], &str, &str)] = &[
-    (
-        &["AG", "G", "always", "globally", "[]"],
-        "ag(…)",
-        "in all states of all runs",
-    ),
-    (&["never"], "ag(not …)", "in no state of any run"),
-    (
-        &["AF", "F", "eventually", "finally", "<>"],
-        "af(…)",
-        "at some time on every run",
-    ),
-    (&["EF", "possibly"], "ef(…)", "at some time on some run"),
-    (&["AX", "X", "next"], "ax(…)", "in every next state"),
-    (&["EX"], "ex(…)", "in some next state"),
-    (&["EG"], "eg(…)", "in all states of some run"),
-    (
-        &["AU", "U", "until"],
-        "au(…, …)",
-        "on every run, one condition until the other",
-    ),
-    (
-        &["AW", "W"],
-        "aw(…, …)",
-        "on every run, one condition unless the other",
-    ),
-];
 
 /// Returns the library that declares an operator which the report says is unknown.
 pub(crate) fn missing_library(report: &Report, sources: &Sources) -> Option<&'static str> {
@@ -133,8 +105,7 @@ fn notation(text: &str) -> Option<String> {
     let words = text.split(is_sign);
     let signs = ["[]", "<>"].into_iter().filter(|sign| text.contains(sign));
     signs.chain(words).find_map(|word| {
-        let mut notations = NOTATIONS.iter();
-        let (_, operator, meaning) = notations.find(|(others, ..)| others.contains(&word))?;
+        let (operator, meaning) = temporal_notation(word, None)?;
         Some(format!("{meaning}: write `{operator}`"))
     })
 }

@@ -56,6 +56,7 @@ mod mutation;
 mod observer;
 mod operator;
 mod options;
+mod own_inputs;
 mod parents;
 mod post;
 mod preparation;

@@ -24,6 +24,16 @@ pub(crate) enum FairnessFormula {
     Compassion(Formula, Formula),
 }
 
+impl FairnessFormula {
+    /// Returns the formulas that it consists of.
+    pub fn formulas(&self) -> Vec<&Formula> {
+        match self {
+            Self::Justice(often) => vec![often],
+            Self::Compassion(cause, effect) => vec![cause, effect],
+        }
+    }
+}
+
 /// The reason for which a formula is not checked.
 #[derive(Debug)]
 pub(crate) enum LogicError {

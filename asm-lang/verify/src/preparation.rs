@@ -9,6 +9,7 @@ use crate::logic::FairnessFormula;
 use crate::observer::ObserverMachine;
 use crate::operator::{Logic, TemporalFunctions};
 use crate::options::Options;
+use crate::own_inputs::InputFunctions;
 use crate::property::PropertyKind;
 use crate::qualifier::{qualifiers, unqualified};
 use crate::reads::Reads;
@@ -16,7 +17,7 @@ use crate::system::{InputSources, VerifiedMachine};
 use crate::transition::ConditionTerm;
 use asmotion_diagnostics::{Finding, Sources, Span};
 use asmotion_lang::hir::{
-    Expression, FunctionId, Invariant, Model, PropertyLogic, TemporalProperty,
+    Expression, FunctionId, Invariant, Model, PropertyLogic, TemporalProperty, Term,
 };
 use asmotion_lang::{Diagnostic, Report, Specification};
 use std::collections::BTreeSet;
@@ -32,17 +33,25 @@ pub(crate) struct Property {
     pub formula: Formula,
     /// Conditions that are antecedents of implications.
     pub antecedents: Vec<usize>,
+    /// The inputs that it mentions.
+    pub inputs: InputFunctions,
 }
 
 /// Everything that the properties of a specification consist of.
 #[derive(Default)]
 pub(crate) struct Prepared {
     /// See [`Options::checked_constraints`].
-    checked_constraints: Vec<String>,
+    pub checked_constraints: Vec<String>,
     pub properties: Vec<Property>,
     pub fairness: Vec<FairnessFormula>,
     /// `true` if only some paths are considered.
     pub has_fairness: bool,
+    /// `true` if there can be several initial states.
+    pub has_several_starts: bool,
+    /// The inputs that fairness constraints and assumptions mention.
+    pub common_inputs: InputFunctions,
+    /// The inputs that conditions of accepted ends mention.
+    pub end_inputs: InputFunctions,
     pub conditions: Conditions,
     /// Texts of the conditions.
     pub texts: Vec<String>,
@@ -345,7 +354,10 @@ impl Preparation<'_> {
         let place = invariant.span;
         let antecedents = self.formulas.antecedents(&root);
         let formula = self.formulas.condition(root, invariant.condition.variables);
+        let inputs = reads.input_functions.iter();
+        let inputs = inputs.map(|function| (self.index, *function)).collect();
         if reads.inputs && !reads.state {
+            self.prepared.common_inputs.extend(inputs);
             self.assume(formula, text);
             return;
         }
@@ -358,6 +370,7 @@ impl Preparation<'_> {
             place: Some(place),
             formula,
             antecedents,
+            inputs,
         });
     }
 
@@ -365,9 +378,10 @@ impl Preparation<'_> {
     fn constraint(&mut self, term: &Expression) {
         let text = self.text(term.root.span);
         if !self.prepared.checked_constraints.contains(&text) {
-            let formula = self.plain(term);
+            let formula = self.fair(term);
             return self.assume(formula, text);
         }
+        let inputs = self.inputs(&term.root);
         let antecedents = self.formulas.antecedents(&term.root);
         let formula = self.plain(term);
         self.prepared.properties.push(Property {
@@ -378,7 +392,22 @@ impl Preparation<'_> {
             place: Some(term.root.span),
             formula,
             antecedents,
+            inputs,
         });
+    }
+
+    /// Returns the inputs that a term mentions.
+    fn inputs(&self, root: &Term) -> InputFunctions {
+        let reads = Reads::of(self.formulas.model, root, self.provided);
+        let inputs = reads.input_functions.into_iter();
+        inputs.map(|function| (self.index, function)).collect()
+    }
+
+    /// Translates the condition of a fairness constraint or an assumption.
+    fn fair(&mut self, term: &Expression) -> Formula {
+        let inputs = self.inputs(&term.root);
+        self.prepared.common_inputs.extend(inputs);
+        self.plain(term)
     }
 
     fn assume(&mut self, formula: Formula, text: String) {
@@ -401,6 +430,13 @@ impl Preparation<'_> {
 
     /// Translates a formula without temporal operators.
     fn plain(&mut self, term: &Expression) -> Formula {
+        if self.formulas.logic(&term.root).is_some() {
+            let problem = NoFormula {
+                at: term.root.span,
+                problem: FormulaProblem::Condition,
+            };
+            self.report.push(NoTemporalFormula { problem }.diagnostic());
+        }
         self.formulas
             .condition(term.root.clone(), term.variables.clone())
     }
@@ -413,14 +449,14 @@ impl Preparation<'_> {
                 return self.constraint(term);
             }
             (PropertyLogic::Justice, [term]) => {
-                let formula = self.plain(term);
+                let formula = self.fair(term);
                 self.prepared
                     .fairness
                     .push(FairnessFormula::Justice(formula));
                 return;
             }
             (PropertyLogic::Compassion, [p, q]) => {
-                let (p, q) = (self.plain(p), self.plain(q));
+                let (p, q) = (self.fair(p), self.fair(q));
                 self.prepared
                     .fairness
                     .push(FairnessFormula::Compassion(p, q));
@@ -452,10 +488,12 @@ impl Preparation<'_> {
                 self.property(PropertyKind::Possible, None, given.text, None, &given.term);
             }
             GivenUse::Assumption => {
-                let formula = self.plain(&given.term);
+                let formula = self.fair(&given.term);
                 self.assume(formula, given.text);
             }
             GivenUse::Ends => {
+                let inputs = self.inputs(&given.term.root);
+                self.prepared.end_inputs.extend(inputs);
                 let formula = self.plain(&given.term);
                 self.prepared.ends.push(formula);
             }
@@ -485,6 +523,7 @@ impl Preparation<'_> {
             | PropertyKind::RulesRun => Some(self.plain(term)),
         };
         if let Some(formula) = formula {
+            let inputs = self.inputs(&term.root);
             let antecedents = self.formulas.antecedents(&term.root);
             self.prepared.properties.push(Property {
                 kind,
@@ -494,6 +533,7 @@ impl Preparation<'_> {
                 place,
                 formula,
                 antecedents,
+                inputs,
             });
         }
     }

@@ -4,10 +4,12 @@ use asmotion_lang::hir::{FunctionId, FunctionKind, Meaning, Model, Term};
 use std::collections::BTreeSet;
 
 /// The kinds of functions that a term depends on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Reads {
     /// Monitored functions.
     pub inputs: bool,
+    /// The monitored and shared functions that no other machine updates.
+    pub input_functions: BTreeSet<FunctionId>,
     /// Functions that rules update.
     pub state: bool,
 }
@@ -35,8 +37,14 @@ impl Reads {
             };
             match function.kind {
                 FunctionKind::Monitored if provided.contains(&id) => self.state = true,
-                FunctionKind::Monitored => self.inputs = true,
-                FunctionKind::Shared => (self.inputs, self.state) = (true, true),
+                FunctionKind::Monitored => {
+                    self.inputs = true;
+                    self.input_functions.insert(id);
+                }
+                FunctionKind::Shared => {
+                    (self.inputs, self.state) = (true, true);
+                    self.input_functions.insert(id);
+                }
                 FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Local => {
                     self.state = true;
                 }

@@ -53,6 +53,12 @@ impl Prepared {
         properties.any(|property| self.of_nodes(property).is_none())
     }
 
+    /// Returns `true` if a property is about one initial state, with none of its inputs. A formula holds if it is true in all
+    /// initial states.
+    fn has_one_start(&self, property: &Property) -> bool {
+        !self.has_several_starts && property.inputs.is_empty()
+    }
+
     /// Returns the condition that all nodes must have, or some node; `None` if the property is about paths.
     pub fn of_nodes<'a>(&self, property: &'a Property) -> Option<(NodeProperty, &'a Formula)> {
         if matches!(
@@ -76,7 +82,7 @@ impl Prepared {
         }
         if matches!(operator, Operator::Ag | Operator::Globally) {
             Some((NodeProperty::All, operand))
-        } else if *operator == Operator::Ef {
+        } else if *operator == Operator::Ef && self.has_one_start(property) {
             Some((NodeProperty::Some, operand))
         } else {
             None

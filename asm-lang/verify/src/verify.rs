@@ -23,8 +23,9 @@ use crate::observer::ObserverMachine;
 #[cfg(feature = "symbolic")]
 use crate::options::Engine;
 use crate::options::{InputValues, Options, Storage};
+use crate::own_inputs::InputFunctions;
 use crate::preparation::{Prepared, prepare, report_of};
-use crate::property::CheckedProperty;
+use crate::property::{CheckedProperty, Note};
 use crate::regions::RepresentedInput;
 use crate::reuse::{self, KeptExploration};
 use crate::spill::Spill;
@@ -87,6 +88,8 @@ pub struct Verification {
     pub advice: Vec<SpecificationAdvice>,
     /// `false` if there were too many steps for advice about updates and inputs.
     pub has_advice_on_steps: bool,
+    /// The inputs with which states were considered: those that properties mention.
+    pub(crate) told_apart: InputFunctions,
 }
 
 /// The reason for which a specification cannot be verified.
@@ -162,33 +165,7 @@ fn verified(
         options,
         fair: &fair,
     };
-    let is_single = machines.len() == 1 && plan.is_plain();
-    #[cfg(feature = "symbolic")]
-    let is_symbolic = options.engine == Engine::Symbolic;
-    let explored = match (machines.as_slice(), plan.ranges.first()) {
-        #[cfg(feature = "symbolic")]
-        ([machine], Some(ranges))
-            if is_single && is_symbolic && fair.is_empty() && !options.advice =>
-        {
-            exploring.symbolic(machine, ranges, proceed)
-        }
-        #[cfg(feature = "symbolic")]
-        _ if is_symbolic => {
-            let construct = match (options.advice, fair.is_empty()) {
-                (true, _) => "advice, which is about single states",
-                (false, false) => "fairness of rules and agents",
-                (false, true) => "a system of several machines, an environment or messages",
-            };
-            let first = system.machines.first();
-            let report = first.map(|it| crate::symbolic::refuse(&it.specification, construct));
-            Err((0, report.unwrap_or_default()))
-        }
-        ([machine], Some(ranges)) if is_single => {
-            let machine = machine.clone();
-            exploring.run(SingleMachine { machine, ranges }, kept, proceed)
-        }
-        _ => exploring.run(MachineSystem::new(&plan, machines), kept, proceed),
-    };
+    let explored = exploring.whole(&machines, &plan, kept, proceed);
     match explored {
         Ok(explored) => Ok(Verification {
             machines: system.machines,
@@ -310,6 +287,7 @@ impl PreparedSystem {
             script,
         )?;
         assumptions.extend(plan.messages.assumptions());
+        properties.has_several_starts = machines.len() > 1 || !plan.is_plain();
         Ok(Self {
             properties,
             plan,
@@ -330,6 +308,101 @@ struct Exploring<'a> {
 }
 
 impl Exploring<'_> {
+    /// Checks the properties, and those whose verdicts depend on which inputs the others mention once more without the others.
+    fn whole(
+        &self,
+        machines: &[Machine],
+        plan: &SystemPlan,
+        kept: Option<(String, &mut KeptExploration)>,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Verification, (usize, Report)> {
+        let mut found = self.checked(machines, plan, kept, proceed)?;
+        if found.incomplete.is_some() {
+            return Ok(found);
+        }
+        let is_wanted = |index: &usize| {
+            let property = self.properties.properties.get(*index);
+            property.is_some_and(|it| it.is_wanted(&self.options.only))
+        };
+        let alone = self.properties.verified_alone(
+            &found.told_apart,
+            machines,
+            found.ends > 0,
+            !self.fair.is_empty(),
+        );
+        for index in alone.into_iter().filter(is_wanted) {
+            let Some(properties) = self.properties.alone(index) else {
+                continue;
+            };
+            let Some(property) = properties.properties.first() else {
+                continue;
+            };
+            let options = Options {
+                only: vec![property.text.clone()],
+                advice: false,
+                ..self.options.clone()
+            };
+            let exploring = Exploring {
+                properties: &properties,
+                options: &options,
+                ..*self
+            };
+            let of_property = exploring.checked(machines, plan, None, proceed)?;
+            let is_it = |it: &CheckedProperty| {
+                it.machine == property.machine
+                    && it.place == property.place
+                    && (&it.kind, &it.text) == (&property.kind, &property.text)
+            };
+            let known = found.properties.iter_mut().find(|it| is_it(it));
+            if let (Some(known), Some(checked)) = (known, of_property.properties.into_iter().next())
+            {
+                *known = checked;
+                // the states that all properties share are complete
+                known
+                    .notes
+                    .extend(of_property.incomplete.map(Note::Undecided));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Checks the properties with the engine of the options.
+    fn checked(
+        &self,
+        machines: &[Machine],
+        plan: &SystemPlan,
+        kept: Option<(String, &mut KeptExploration)>,
+        proceed: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Verification, (usize, Report)> {
+        let is_single = machines.len() == 1 && plan.is_plain();
+        #[cfg(feature = "symbolic")]
+        let is_symbolic = self.options.engine == Engine::Symbolic;
+        match (machines, plan.ranges.first()) {
+            #[cfg(feature = "symbolic")]
+            ([machine], Some(ranges))
+                if is_single && is_symbolic && self.fair.is_empty() && !self.options.advice =>
+            {
+                self.symbolic(machine, ranges, proceed)
+            }
+            #[cfg(feature = "symbolic")]
+            _ if is_symbolic => {
+                let construct = match (self.options.advice, self.fair.is_empty()) {
+                    (true, _) => "advice, which is about single states",
+                    (false, false) => "fairness of rules and agents",
+                    (false, true) => "a system of several machines, an environment or messages",
+                };
+                let first = self.known.first();
+                let report = first.map(|it| crate::symbolic::refuse(&it.specification, construct));
+                Err((0, report.unwrap_or_default()))
+            }
+            ([machine], Some(ranges)) if is_single => {
+                let machine = machine.clone();
+                self.run(SingleMachine { machine, ranges }, kept, proceed)
+            }
+            _ => self.run(MachineSystem::new(plan, machines.to_vec()), kept, proceed),
+        }
+    }
+
     /// Explores a system and checks the properties.
     fn run<S: TransitionSystem>(
         &self,
@@ -434,6 +507,7 @@ impl Exploring<'_> {
             memory: exploration.memory(),
             advice,
             has_advice_on_steps,
+            told_apart: exploration.told_apart(),
         };
         if let Some((basis, kept)) = kept {
             kept.keep(basis, exploration);
@@ -539,6 +613,7 @@ impl Exploring<'_> {
             is_grounded: false,
             is_reused: false,
             memory: found.memory,
+            told_apart: self.properties.all_inputs(),
         })
     }
 

@@ -70,6 +70,43 @@ fn a_property_with_an_unknown_name_is_refused() {
     );
 }
 
+/// A temporal operator has no value in a single state. Nothing that is about single states may contain one: a fairness constraint
+/// would never be true, so that every property holds.
+#[test]
+fn conditions_about_one_state_have_no_temporal_operators() {
+    let lamp = |line: &str| {
+        let text = LAMP.replace("main rule", &format!("{line}\n  main rule"));
+        refused(&text, &Options::default())
+    };
+    for line in [
+        "JUSTICE ef(isOn)",
+        "COMPASSION(isOn, af(isOn))",
+        "INVAR ag(isOn)",
+        "invariant bright over isOn: ag(isOn)",
+    ] {
+        assert_eq!(lamp(line), ["M003"], "{line}");
+    }
+    let all = ["ef(isOn)".to_owned()];
+    for options in [
+        Options {
+            assumptions: all.to_vec(),
+            ..Options::default()
+        },
+        Options {
+            possible: all.to_vec(),
+            ..Options::default()
+        },
+        Options {
+            ends: Some("ef(isOn)".to_owned()),
+            ..Options::default()
+        },
+    ] {
+        assert_eq!(refused(LAMP, &options), ["M003"]);
+    }
+    let text = LAMP.replace("main rule", "JUSTICE ef(isOn)\n  main rule");
+    snapshot("fairness_of_a_formula", &text, &Options::default());
+}
+
 #[test]
 fn wrong_properties_are_explained() {
     for (name, text) in [

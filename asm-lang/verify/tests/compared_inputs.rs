@@ -457,3 +457,66 @@ fn inputs_that_are_held_are_not_compared_with_each_other() {
     assert!(refusal.contains("M001"), "{refusal}");
     assert!(refusal.contains("compared here with"), "{refusal}");
 }
+
+/// Equal elements of a set are one element: the inputs in a set have values in every order, also if no rule compares them.
+#[test]
+fn inputs_in_a_set_are_compared_with_each_other() {
+    let text = |rule: &str| {
+        format!(
+            "asm sets
+import StandardLibrary
+signature:
+  dynamic abstract domain Thing
+  domain Side subsetof Integer
+  monitored left: Integer
+  monitored right: Integer
+  monitored beside: Side -> Integer
+  controlled n: Integer
+  controlled started: Boolean
+definitions:
+  domain Side = {{1:2}}
+  invariant few over started: not (exist $a in Thing, $b in Thing with $a != $b)
+  invariant none over n: n != 3
+  main rule r_Main = {rule}
+default init s0:
+  function n = 1
+  function started = false
+"
+        )
+    };
+    let cases = [
+        // two instances choose differently
+        (
+            "forall $x in {left, right} with $x > 5 do choose $y in {1, 2} with true do n := $y",
+            "no step fails",
+        ),
+        (
+            "if not started then par started := true forall $x in {left, right} with $x > 5 do extend Thing with $d do skip endpar endif",
+            "few",
+        ),
+        (
+            "if not (exist unique $x in {left, right} with $x > 5) and left > 5 and right > 5 then n := 3 endif",
+            "none",
+        ),
+        (
+            "if not (exist unique $x in {$s in Side : beside($s)} with $x > 5) and beside(1) > 5 and beside(2) > 5 then n := 3 endif",
+            "none",
+        ),
+        (
+            "if not (exist unique $x in {7, left} with $x > 5) and left > 5 then n := 3 endif",
+            "none",
+        ),
+    ];
+    for (rule, violated) in cases {
+        let verification = verified(&text(rule), &Options::default());
+        assert_eq!(
+            crate::verdict_of(&verification, violated),
+            "violated",
+            "{rule}"
+        );
+    }
+    // positions of a sequence are told apart in any case
+    let sequence = "forall $x in [left, right] with $x > 5 do n := 2";
+    let verification = verified(&text(sequence), &Options::default());
+    assert_eq!(verification.represented[0].values.len(), 3);
+}

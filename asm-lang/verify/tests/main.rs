@@ -25,6 +25,7 @@ mod naive;
 mod naive_systems;
 mod nusmv;
 mod observer;
+mod own_inputs;
 mod random_inputs;
 mod reuse;
 mod runs;

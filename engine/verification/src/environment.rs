@@ -17,14 +17,18 @@ use crate::error::ModelError;
 use crate::glue::{Glue, sequence};
 use crate::network::{Senders, callers, writers};
 use crate::rename::label;
+use asmotion_composite::end::Terminal;
 use asmotion_plan::{End, InputQueue, Plan};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of messages that can wait for an input with a queue of any size, or of none that is written.
 pub(crate) const MAX_WAITING: u64 = 2;
 
-/// Greatest size of a queue that is modelled as it is.
+/// Greatest size of a queue that is modelled as it is, whoever sends.
 const MAX_EXACT_QUEUE: u64 = 8;
+
+/// Size of the queue of a subscription, if the composite writes none. It drops the oldest message.
+const UNWRITTEN_QUEUE: u64 = 256;
 
 /// Writes the environment of the first of several actors.
 pub(crate) struct EnvironmentWriter<'a> {
@@ -111,9 +115,9 @@ impl<'a> EnvironmentWriter<'a> {
         senders.outside || senders.ends.iter().any(|end| !is_actor(end))
     }
 
-    /// Returns the queue in which messages wait for an input of a specification. One that is too large for the model is cut off,
-    /// which is noted as an assumption.
-    pub(super) fn queue(&mut self, receiver: &Actor, input: &ActorInput) -> InputQueue {
+    /// Returns the queue in which messages wait for an input of a specification. Between specifications it is that of the composite.
+    /// From other senders, a queue that is too large for the model is cut off, which is noted as an assumption.
+    pub(super) fn queue(&mut self, to: usize, receiver: &Actor, input: &ActorInput) -> InputQueue {
         let port = match (&input.origin, receiver.is_protocol) {
             (InputOrigin::Port(port), false) => Some(End {
                 component: receiver.component.clone(),
@@ -121,8 +125,14 @@ impl<'a> EnvironmentWriter<'a> {
             }),
             (_, _) => None,
         };
-        let written = port.and_then(|port| self.plan.input_queue(&port));
-        if let Some(queue) = written.filter(|it| it.size <= MAX_EXACT_QUEUE) {
+        let queue = port.and_then(|port| {
+            let written = self.plan.input_queue(&port);
+            written.or_else(|| self.unwritten_queue(&port))
+        });
+        let is_exact = |queue: &InputQueue| {
+            queue.size <= MAX_EXACT_QUEUE || self.is_sent_by_specifications(to, input)
+        };
+        if let Some(queue) = queue.filter(is_exact) {
             return queue;
         }
         self.notes
@@ -131,6 +141,36 @@ impl<'a> EnvironmentWriter<'a> {
             size: MAX_WAITING,
             is_circular: false,
         }
+    }
+
+    /// Returns the queue of an input port for which the composite writes none: its only connection keeps the newest message, or nothing
+    /// is written for the topics that it subscribes to. `None` if several connections keep a message each.
+    fn unwritten_queue(&self, port: &End) -> Option<InputQueue> {
+        let connections = &self.plan.connections;
+        let connected = |to: Terminal| connections.iter().filter(|it| it.to == to).count();
+        let size = match connected(Terminal::Port(port.clone())) {
+            0 => {
+                let mut topics = self.plan.topics.iter();
+                let is_written = topics.any(|topic| {
+                    topic.subscribers.contains(port)
+                        && connected(Terminal::Topic(topic.name.clone())) > 0
+                });
+                (!is_written).then_some(UNWRITTEN_QUEUE)
+            }
+            1 => Some(1),
+            _ => None,
+        };
+        let is_circular = true;
+        size.map(|size| InputQueue { size, is_circular })
+    }
+
+    /// Returns `true` if all messages for an input come from components that are modelled by their specifications.
+    fn is_sent_by_specifications(&self, at: usize, input: &ActorInput) -> bool {
+        let is_specification = |end: &End| {
+            let mut actors = self.actors.iter();
+            actors.any(|it| it.component == end.component && !it.is_protocol)
+        };
+        !self.is_open(at, input) && self.senders(at, input).ends.iter().all(is_specification)
     }
 
     /// Returns `true` if the environment sets an input of the verified specification; otherwise it has any value.

@@ -102,23 +102,49 @@ pub fn text(
 }
 
 /// Says that no location was left out.
-pub fn without_cone(terminal: &mut TerminalOutput) {
-    terminal.result(format_args!(
-        "  {NOTE}note{NOTE:#} `--cone` has no effect: the properties depend on all locations, are about paths or shown by a run, or the states have no grounded form"
-    ));
+pub fn without_cone(verification: &Verification, terminal: &mut TerminalOutput) {
+    without_reduction(
+        "--cone",
+        "the properties depend on all locations, are about paths or shown by a run, or the states have no grounded form",
+        verification,
+        terminal,
+    );
 }
 
 /// Says that no step was left out.
-pub fn without_independence(terminal: &mut TerminalOutput) {
-    terminal.result(format_args!(
-        "  {NOTE}note{NOTE:#} `--independent` has no effect: all steps influence each other or a property, a property is about paths or shown by a run, or the states have no grounded form"
-    ));
+pub fn without_independence(verification: &Verification, terminal: &mut TerminalOutput) {
+    without_reduction(
+        "--independent",
+        "all steps influence each other or a property, a property is about paths or shown by a run, or the states have no grounded form",
+        verification,
+        terminal,
+    );
 }
 
 /// Says that no state was left out for symmetry.
-pub fn without_symmetry(terminal: &mut TerminalOutput) {
+pub fn without_symmetry(verification: &Verification, terminal: &mut TerminalOutput) {
+    without_reduction(
+        "--symmetry",
+        "no domain is found whose elements are used alike, the states have no grounded form, or fairness tells elements apart",
+        verification,
+        terminal,
+    );
+}
+
+/// Says why an option has no effect. Several machines are never reduced: each can read what the others write.
+fn without_reduction(
+    option: &str,
+    reason: &str,
+    verification: &Verification,
+    terminal: &mut TerminalOutput,
+) {
+    let reason = if verification.machines.len() > 1 {
+        "it is for one specification, and several are verified together, each of which can read and receive what the others write and send"
+    } else {
+        reason
+    };
     terminal.result(format_args!(
-        "  {NOTE}note{NOTE:#} `--symmetry` has no effect: no domain is found whose elements are used alike, the states have no grounded form, or fairness tells elements apart"
+        "  {NOTE}note{NOTE:#} `{option}` has no effect: {reason}"
     ));
 }
 

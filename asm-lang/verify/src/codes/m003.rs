@@ -8,6 +8,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 /// `iff`, `=`, `if` and quantifiers are applied, and functions that are defined in this way. Temporal operators cannot be arguments of
 /// other functions, and those of CTL cannot be mixed with those of LTL.
 ///
+/// An invariant is about each state on its own and has no temporal operators: in place of `invariant inv over isOn: ag(isOn)`, write
+/// `CTLSPEC ag(isOn)`, or `invariant inv over isOn: isOn`, which says the same. Neither have assumptions (`INVAR`, `--assume`), fairness
+/// constraints (`JUSTICE`, `COMPASSION`), `--possible` and `--end`.
+///
 /// ```asm wrong
 /// asm example
 /// import StandardLibrary
@@ -60,6 +64,7 @@ fn reason(problem: &FormulaProblem) -> String {
         }
         FormulaProblem::Count => "the number of steps is no number".to_owned(),
         FormulaProblem::Invariant(_) => "an invariant is about one state".to_owned(),
+        FormulaProblem::Condition => "this condition is about one state".to_owned(),
     }
 }
 
@@ -79,6 +84,7 @@ impl Finding for NoTemporalFormula {
             } => "use `x`, `g`, `f`, `u`, `v` and the operators of the past, or declare a CTLSPEC",
             FormulaProblem::Range => "quantify over an enumeration, or a domain of integers",
             FormulaProblem::Count => "write a literal, as in `exN(p, 3n)`",
+            FormulaProblem::Condition => "write a condition without temporal operators",
             FormulaProblem::Invariant(Logic::Ctl) => "declare a CTLSPEC in place of the invariant",
             FormulaProblem::Invariant(Logic::Ltl) => "declare an LTLSPEC in place of the invariant",
         };

@@ -2,7 +2,7 @@
 
 use super::{Denotation, EscapeUse, Frame, InputFlow, MAX_LISTED, Point, integers};
 use asmotion_lang::Value;
-use asmotion_lang::ir::{Arithmetic, Binder, Comparison, Origin, Term, TermNode};
+use asmotion_lang::ir::{Arithmetic, Binder, Collection, Comparison, Origin, Term, TermNode};
 use asmotion_lang::stdlib::{Builtin, BuiltinContext};
 
 impl InputFlow<'_> {
@@ -138,10 +138,13 @@ impl InputFlow<'_> {
         if let TermNode::Constant(Value::Seq(items)) = node {
             return Denotation::listed(items.iter().cloned());
         }
-        if let TermNode::Listed(_, items) = node {
+        if let TermNode::Listed(collection, items) = node {
             let mut flow = Denotation::nothing();
-            for item in items {
+            for (index, item) in items.iter().enumerate() {
                 flow = flow.or(self.term(item));
+                for other in items.iter().take(index) {
+                    self.collected(*collection, other, item);
+                }
             }
             return flow;
         }
@@ -150,9 +153,10 @@ impl InputFlow<'_> {
             let to = self.need(to, &EscapeUse::Other);
             return interval(&from, &to);
         }
-        if let TermNode::Collect(_, binders, guard, item) = node {
+        if let TermNode::Collect(collection, binders, guard, item) = node {
             self.bind_all(binders);
             self.need_all(guard, &EscapeUse::Other);
+            self.collected(*collection, item, item);
             return self.term(item);
         }
         if let TermNode::Extent(shape) = node {
@@ -165,6 +169,15 @@ impl InputFlow<'_> {
         }
         self.need(term, &EscapeUse::Other);
         Denotation::any()
+    }
+
+    /// Two terms become elements of a collection. Equal elements of a set are one element, so that their equality decides how often
+    /// a variable takes their value.
+    fn collected(&mut self, collection: Collection, one: &Term, other: &Term) {
+        match collection {
+            Collection::Seq => {}
+            Collection::Set | Collection::Bag => self.compare(one, other, false, other.origin),
+        }
     }
 
     /// The application of a library function.

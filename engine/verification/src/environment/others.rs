@@ -84,7 +84,19 @@ impl EnvironmentWriter<'_> {
             }
             return Ok(cycle);
         }
-        Ok(repeated(&cycle, least, most))
+        if least == 0 {
+            return Ok(repeated(&cycle, least, most));
+        }
+        // which of the components steps first, and when, depends on their start
+        let flag = format!("steps_{}", label(&actor.component));
+        self.glue.declare(
+            &format!("{} has had time for all its steps", actor.component),
+            format!("controlled {flag}: Boolean"),
+        );
+        self.glue.start(&flag, "false");
+        let first = sequence(&[repeated(&cycle, 0, most), format!("{flag} := true")]);
+        let later = repeated(&cycle, least, most);
+        Ok(format!("if {flag} then {later} else {first} endif"))
     }
 
     /// Rules for messages to an actor from components without a protocol.

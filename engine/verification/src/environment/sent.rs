@@ -238,7 +238,7 @@ impl EnvironmentWriter<'_> {
             Receive::Last => format!("{} := {value}", input.location),
             Receive::All => {
                 let waiting = format!("waiting_{word}");
-                let queue = self.queue(receiver, input);
+                let queue = self.queue(to, receiver, input);
                 let ahead = if to == 0 {
                     shifted(receiver, &waiting)
                 } else {
