@@ -13,6 +13,9 @@ use super::scene::CheckedComposite;
 use crate::finding::Findings;
 use crate::model::{Bridge, BridgeKind, Component, Implementation, MapEntry};
 
+/// Topic of transforms of a bridge that names none.
+const TRANSFORMS: &str = "/tf";
+
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
         let kind = bridge.kind.value;
@@ -36,7 +39,8 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
         }
         if let Some(topic) = &bridge.transforms {
             check_name(topic, kind, report);
-            if !has_transforms(scene, bridge) {
+            // an expansion has the default
+            if topic.value != TRANSFORMS && !has_transforms(scene, bridge) {
                 report.found(IdleKey {
                     key: Cow::Borrowed("transforms"),
                     at: topic.span,
