@@ -114,7 +114,7 @@ mod with_ros {
         let node = bridge.node.clone();
         let node = node.unwrap_or_else(|| node_name(component, plan));
         let transport = match bridge.kind {
-            BridgeKind::Ros1 => Ok(ros1(node, bridge)),
+            BridgeKind::Ros1 => ros1(node, bridge, relays(component)),
             BridgeKind::Ros2 => ros2(node, bridge),
             BridgeKind::Rosbridge => return None,
         };
@@ -131,22 +131,29 @@ mod with_ros {
                 }
             }
         }
-        let shown = shown(component);
+        let (shown, transforms) = (shown(component), bridge.transforms.clone());
         Some(Box::new(move |interface: &mut Interface| {
             let bridge = RosBridge::new(transport?, mapped, interface)?;
             let bridge = bridge.with_operations(operations, interface)?;
             let bridge = bridge.showing(shown, desk);
+            let bridge = bridge.with_transforms_of(&transforms);
             Ok(Box::new(bridge) as Box<dyn asmotion_component::Component>)
         }))
     }
 
-    fn ros1(node: String, bridge: &Bridge) -> Box<dyn RosTransport> {
+    fn ros1(
+        node: String,
+        bridge: &Bridge,
+        relays: Vec<(String, String)>,
+    ) -> Result<Box<dyn RosTransport>, String> {
         let settings = Ros1Settings {
             node,
             master: master(bridge),
             host: own_host(&master(bridge)),
+            relays,
         };
-        Box::new(Ros1Transport::new(settings, ros_messages::noetic()))
+        let definitions = ros_messages::of_bridge(bridge.kind, &bridge.definitions)?;
+        Ok(Box::new(Ros1Transport::new(settings, definitions)))
     }
 
     #[cfg(feature = "ros2")]
@@ -164,13 +171,39 @@ mod with_ros {
             domain,
             networks: networks()?,
         };
-        let transport = Ros2Transport::new(settings, ros_messages::jazzy());
-        Ok(Box::new(transport))
+        let definitions = ros_messages::of_bridge(bridge.kind, &bridge.definitions)?;
+        Ok(Box::new(Ros2Transport::new(settings, definitions)))
     }
 
     #[cfg(not(feature = "ros2"))]
     fn ros2(_: String, _: &Bridge) -> Result<Box<dyn RosTransport>, String> {
         Err(crate::feature::LeftOut::new::<crate::feature::Ros2>().to_string())
+    }
+
+    /// The topics of ROS whose messages a bridge brings to a topic from which it sends them to another topic of ROS, with that one.
+    fn relays(component: &Component) -> Vec<(String, String)> {
+        let mut brought = Vec::new();
+        let mut sent = Vec::new();
+        for entry in &component.special.map {
+            let PlannedMapEntry::Ros(entry) = entry else {
+                continue;
+            };
+            let (ports, entries) = match entry.direction {
+                Direction::FromRos => (&component.outputs, &mut brought),
+                Direction::ToRos => (&component.inputs, &mut sent),
+            };
+            let port = ports.iter().find(|port| port.name == entry.from);
+            if let Some(topic) = port.and_then(|port| port.topic.as_ref()) {
+                entries.push((topic, &entry.ros));
+            }
+        }
+        let pairs = brought.iter().flat_map(|(topic, from)| {
+            let onward = sent
+                .iter()
+                .filter(move |(same, to)| same == topic && to != from);
+            onward.map(move |(_, to)| ((*from).clone(), (*to).clone()))
+        });
+        pairs.collect()
     }
 
     /// The components that a bridge shows: one entry for each name in ROS.
@@ -272,7 +305,9 @@ mod with_ros {
         };
         let interface = &listed.iter().find(|it| it.name == port)?.interface;
         // with an unknown interface, conversions depend on the data at run time
-        let known = catalogue.operations(interface).unwrap_or_default();
+        let known = catalogue.operations(interface);
+        let known = known.or_else(|| plan.interfaces.get(interface).cloned());
+        let known = known.unwrap_or_default();
         let declared = |name: &str| {
             let found = known.iter().find(|it| it.name == name).cloned();
             found.unwrap_or_else(|| OperationDeclaration::opaque(name))

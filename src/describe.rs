@@ -348,7 +348,8 @@ impl<'a> Declarations<'a> {
 
     /// The operations of an interface, of this build or of a program; none if it is unknown.
     fn operations(&self, interface: &str) -> Vec<OperationDeclaration> {
-        let of_build = self.catalogue.operations(interface);
+        let of_folders = self.plan.interfaces.get(interface).cloned();
+        let of_build = self.catalogue.operations(interface).or(of_folders);
         let programs = self.plan.components.iter();
         let declared = programs.filter_map(|it| Some(&it.program.as_ref()?.declaration));
         let of_programs = declared.flat_map(|it| {

@@ -55,6 +55,7 @@ mod ros2_bridge;
 mod ros_bridge;
 mod ros_calls;
 mod ros_case;
+mod ros_folders;
 mod ros_frames;
 mod ros_kills;
 mod ros_parameters;

@@ -182,6 +182,150 @@ fn r10_a_topic_mapped_both_ways_does_not_storm() {
     assert_eq!(other.waiting("/word"), 0);
 }
 
+/// The topics of both processes are their own; each bridge brings what the other one publishes, and does not return it.
+#[test]
+fn r10_two_processes_that_map_one_topic_both_ways_do_not_storm() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let (mut one, mut other) = (master.rospy("/one"), master.rospy("/other"));
+    let first = Mission::start(&master, "words");
+    first.line("registered at the ROS master");
+    let words = composite("ros_bridge", "words");
+    let place = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(&words).unwrap();
+    let text = text.replace("name = \"words\"", "name = \"others\"");
+    let specification = words.with_file_name("listener.asm").display().to_string();
+    let path = place.path().join("others.composite.toml");
+    std::fs::write(&path, text.replace("listener.asm", &specification)).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command
+        .arg("run")
+        .arg(&path)
+        .args(["--clock", "wall", "--for", "120"])
+        .env("ROS_MASTER_URI", master.uri());
+    let second = Mission::spawn(command);
+    second.line("registered at the ROS master");
+
+    other.subscribe("/word", TEXT);
+    // two bridges and the observer hear the speaker, and the observer hears all three
+    one.advertise("/word", TEXT, 3);
+    other.obey(json!(["connections", "/word", 3]));
+    for word in ["first", "ping", "last"] {
+        one.publish("/word", TEXT, json!({"data": word}));
+    }
+    let mut heard: Vec<String> = (0..5)
+        .map(|_| {
+            let (word, publisher) = other.message("/word");
+            format!("{publisher} {}", word["data"].as_str().unwrap())
+        })
+        .collect();
+    heard.sort();
+    assert_eq!(
+        heard,
+        [
+            "/one first",
+            "/one last",
+            "/one ping",
+            "/others_RosBridge pong",
+            "/words_RosBridge pong",
+        ]
+    );
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(other.waiting("/word"), 0);
+}
+
+/// A composite that relays one topic of ROS to another one.
+fn relay(folder: &Path, name: &str, from: &str, to: &str, master: &Master) -> Mission {
+    let text = format!(
+        r#"schema = "composite/1"
+
+[composite]
+name = "{name}"
+
+[bridges.ros]
+kind   = "ros1"
+master = "${{ROS_MASTER_URI}}"
+
+[components.RosBridge]
+implementation = {{ builtin = "ros-bridge", bridge = "ros" }}
+activity  = {{ period_ms = 0 }}
+subscribe = {{ word = "std_msgs/String" }}
+publish   = {{ word = "std_msgs/String" }}
+map = [
+  {{ from = "word", ros = "{from}", type = "std_msgs/String", direction = "from_ros" }},
+  {{ from = "word", ros = "{to}", type = "std_msgs/String", direction = "to_ros" }},
+]
+"#
+    );
+    let path = folder.join(format!("{name}.composite.toml"));
+    std::fs::write(&path, text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command
+        .arg("run")
+        .arg(&path)
+        .args(["--clock", "wall", "--for", "120"])
+        .env("ROS_MASTER_URI", master.uri());
+    let mission = Mission::spawn(command);
+    mission.line("registered at the ROS master");
+    mission
+}
+
+#[test]
+fn r10_two_processes_that_relay_in_opposite_directions_do_not_storm() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let place = tempfile::tempdir().unwrap();
+    let (mut one, mut other) = (master.rospy("/one"), master.rospy("/other"));
+    let there = relay(place.path(), "there", "/a", "/b", &master);
+    let back = relay(place.path(), "back", "/b", "/a", &master);
+    // both say which connection they do not have
+    for (mission, text) in [
+        (
+            &there,
+            "`/back_RosBridge` relays `/b` to `/a`, and this node `/a` to `/b`",
+        ),
+        (
+            &back,
+            "`/there_RosBridge` relays `/a` to `/b`, and this node `/b` to `/a`",
+        ),
+    ] {
+        let line = mission.line("messages would go round");
+        assert!(line.contains(text), "{line}");
+    }
+    for topic in ["/a", "/b"] {
+        one.advertise(topic, TEXT, 1);
+        other.subscribe(topic, TEXT);
+        // of the speaker and of a bridge
+        other.obey(json!(["connections", topic, 2]));
+        one.obey(json!(["connections", topic, 2]));
+    }
+    for topic in ["/a", "/b"] {
+        one.publish(topic, TEXT, json!({"data": topic}));
+    }
+    let mut heard = Vec::new();
+    for topic in ["/a", "/b"] {
+        for _ in 0..2 {
+            let (word, publisher) = other.message(topic);
+            let word = word["data"].as_str().unwrap();
+            heard.push(format!("{topic} {publisher} {word}"));
+        }
+    }
+    heard.sort();
+    assert_eq!(
+        heard,
+        [
+            "/a /back_RosBridge /b",
+            "/a /one /a",
+            "/b /one /b",
+            "/b /there_RosBridge /a",
+        ]
+    );
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!((other.waiting("/a"), other.waiting("/b")), (0, 0));
+}
+
 #[test]
 fn r9_messages_pass_with_stamps_frames_and_without_code() {
     let Some(master) = Master::start() else {

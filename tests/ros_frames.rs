@@ -168,6 +168,32 @@ fn poses_of_ros_1_are_transformed_at_their_time() {
 }
 
 #[test]
+fn transforms_of_a_robot_in_a_namespace_are_taken() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let mission = Mission::start_in(&master, "ros_frames", "namespace");
+    mission.line("registered at the ROS master");
+    let mut desk = master.rospy("/desk");
+    desk.subscribe("/rover/goal_in_map", POSE);
+    desk.obey(json!(["connections", "/rover/goal_in_map", 1]));
+    // another robot has the same frames
+    let placed = |parent, child, x| transform(ros1_stamp(0), (parent, child), (x, 0.0), 0);
+    let publish = |topic: &str, transform| {
+        json!(["publish", topic, TRANSFORMS, transforms(&[transform]), true])
+    };
+    let mut robot = master.rospy("/driver");
+    robot.obey(publish("/tf", placed("map", "base", 100.0)));
+    robot.obey(publish("/tf_static", placed("base", "laser", 100.0)));
+    robot.obey(publish("/rover/tf", placed("map", "base", 10.0)));
+    robot.obey(publish("/rover/tf_static", placed("base", "laser", 0.5)));
+    robot.advertise("/rover/goal", POSE, 1);
+    robot.publish("/rover/goal", POSE, pose(ros1_stamp(0), "laser", 3.0));
+    let goal = place(&desk.message("/rover/goal_in_map").0);
+    assert_eq!(goal, (13.5, 0.0, 0.0, "map".to_owned()));
+}
+
+#[test]
 fn a_path_to_ros_is_transformed_without_waiting() {
     let Some(master) = Master::start() else {
         return;

@@ -1,13 +1,19 @@
 //! The catalogue of a program: components, messages and service interfaces.
 
 use std::fmt;
+#[cfg(feature = "ros")]
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use asmotion_component::Interface;
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
+#[cfg(feature = "ros")]
+use asmotion_composite::RosFolders;
 use asmotion_composite::model::{BridgeKind, BuiltinComponent};
 use asmotion_composite::{Catalogue, ComponentFactory, RosMessages};
 use asmotion_datum::{Schema, Shape};
+#[cfg(feature = "ros")]
+use asmotion_diagnostics::Loader;
 
 use crate::feature::without_bridges;
 
@@ -187,6 +193,16 @@ impl Catalogue for BuildCatalogue {
     #[cfg(feature = "ros")]
     fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
         super::ros_messages::of(kind)
+    }
+
+    #[cfg(feature = "ros")]
+    fn ros_with(
+        &self,
+        kind: BridgeKind,
+        folders: &[PathBuf],
+        loader: &dyn Loader,
+    ) -> Option<RosFolders> {
+        super::ros_messages::with_folders(kind, folders, loader)
     }
 
     #[cfg(not(feature = "ros"))]

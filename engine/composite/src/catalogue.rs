@@ -1,11 +1,14 @@
 //! Interface to the components, message types and service interfaces linked into the executable. The application's
 //! crates implement it.
 
+use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{Component, Interface};
 use asmotion_datum::Schema;
+use asmotion_diagnostics::Loader;
 
 use crate::model::{BridgeKind, BuiltinComponent};
 
@@ -50,6 +53,11 @@ pub trait RosOperations {
 
     /// Returns a service or an action, such as `nav_msgs/GetPlan`; `None` if it is unknown.
     fn find(&self, name: &str) -> Option<RosOperation>;
+
+    /// Returns the operations of the service interface with the name of a service or an action; `None` if it is unknown.
+    fn interface(&self, _name: &str) -> Option<Vec<OperationDeclaration>> {
+        None
+    }
 }
 
 /// Returns the message types of ROS for bridges of a kind; `None` if the executable cannot connect such bridges.
@@ -67,6 +75,32 @@ pub trait RosMessages {
     fn operations(&self) -> Option<&dyn RosOperations> {
         None
     }
+
+    /// Returns why a message, service or action that has a definition cannot be used, such as a missing definition of a field.
+    fn problem(&self, _name: &str) -> Option<String> {
+        None
+    }
+}
+
+/// The message types of a generation of ROS, with those that folders define.
+pub struct RosFolders {
+    /// All types. A wrong definition is left out.
+    pub messages: Rc<dyn RosMessages>,
+    /// What is wrong with the folders.
+    pub problems: Vec<RosFolderProblem>,
+}
+
+/// A folder of definitions cannot be read, or a definition in it is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RosFolderProblem {
+    /// Position of the folder.
+    pub folder: usize,
+    /// Path of the file with the definition; `None` if the folder itself is the problem.
+    pub file: Option<String>,
+    /// Line in the file, from 1; `None` if the problem is at none.
+    pub line: Option<usize>,
+    /// Cause.
+    pub reason: String,
 }
 
 /// Lookup of the components, messages and service interfaces available in an executable.
@@ -95,6 +129,17 @@ pub trait Catalogue {
 
     /// Returns the message types of ROS for bridges of a kind; `None` if the executable cannot connect such bridges.
     fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages>;
+
+    /// Returns the message types of ROS for bridges of a kind with the definitions in folders, whose files the loader reads;
+    /// `None` if the executable cannot connect such bridges.
+    fn ros_with(
+        &self,
+        _kind: BridgeKind,
+        _folders: &[PathBuf],
+        _loader: &dyn Loader,
+    ) -> Option<RosFolders> {
+        None
+    }
 
     /// Returns the way to an executable that connects bridges of a kind; `None` if this one does, or none can.
     fn way_to_bridges(&self, kind: BridgeKind) -> Option<String>;

@@ -124,6 +124,7 @@ pub(crate) mod c171;
 pub(crate) mod c172;
 pub(crate) mod c173;
 pub(crate) mod c174;
+pub(crate) mod c175;
 pub(crate) mod c180;
 pub(crate) mod c181;
 pub(crate) mod c182;
@@ -265,6 +266,7 @@ pub const CODES: &[&Code] = &[
     c172::MappedTwice::CODE,
     c173::InvalidRosName::CODE,
     c174::NoTransformation::CODE,
+    c175::WrongRosDefinition::CODE,
     c180::UnknownRosOperation::CODE,
     c181::RosOperationDiffers::CODE,
     c182::OperationNotMapped::CODE,

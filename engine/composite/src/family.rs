@@ -7,24 +7,29 @@ mod removal;
 use crate::codes::c002::UnreadableComposite;
 use crate::codes::c080::CircularInclusion;
 use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
+use crate::codes::c175::WrongRosDefinition;
 use crate::codes::c190::NoCertificate;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::rc::Rc;
 
 use asmotion_component::Declaration;
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_diagnostics::{Report, Sources, Span};
 use asmotion_program::ProgramError;
 
 use crate::at::At;
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, RosFolderProblem, RosMessages};
 use crate::context::Context;
 use crate::discovery;
 use crate::finding::Findings;
 use crate::model::binding::Bind;
-use crate::model::{Component, Composite, Implementation, Process};
+use crate::model::{Bridge, Component, Composite, Implementation, Process};
 use crate::pattern;
 use crate::programs::{
-    ExtendedCatalogue, ProgramAnswer, command_of, robot_component, split_robot_component,
+    ExtendedCatalogue, ProgramAnswer, command_of, directory_of, robot_component,
+    split_robot_component,
 };
 use crate::provider::{NamedInterfaces, ServiceScope};
 use crate::read;
@@ -52,6 +57,10 @@ pub struct Member {
     programs: BTreeMap<String, ProgramAnswer>,
     /// Names of the components that only processes elsewhere run.
     elsewhere: BTreeSet<String>,
+    /// Types of ROS of the bridges that name folders with definitions, by bridge.
+    ros: BTreeMap<String, Rc<dyn RosMessages>>,
+    /// Those of them some of whose definitions are wrong, which has been reported.
+    wrong_ros: BTreeSet<String>,
     /// Entries of tables of names that could not be read: the key of the table, and the name.
     unread: Vec<(&'static str, String)>,
 }
@@ -161,6 +170,7 @@ impl Family {
         {
             return;
         }
+        let catalogue = &ExtendedCatalogue::new(catalogue, self.folders(), std::iter::empty());
         // problems of type files are reported with those of all types
         let types = self.all_types(catalogue, &mut Report::new());
         let completed = self.members().map(|(path, member)| {
@@ -182,10 +192,23 @@ impl Family {
         }
     }
 
-    /// Returns a catalogue extended by the types and interfaces of programs.
+    /// Returns a catalogue extended by the types and interfaces of programs, and of folders with definitions of ROS.
     pub fn extend<'c>(&self, catalogue: &'c dyn Catalogue) -> ExtendedCatalogue<'c> {
         let programs = self.members.values().flat_map(|it| it.programs.values());
-        ExtendedCatalogue::new(catalogue, programs.filter_map(|it| it.as_ref().ok()))
+        let programs = programs.filter_map(|it| it.as_ref().ok());
+        ExtendedCatalogue::new(catalogue, self.folders(), programs)
+    }
+
+    /// Returns the operations of a service interface that a folder with definitions of ROS has; `None` if none has it.
+    pub fn ros_interface(&self, name: &str) -> Option<Vec<OperationDeclaration>> {
+        let mut folders = self.folders().into_iter();
+        folders.find_map(|it| it.operations()?.interface(name))
+    }
+
+    /// The types of ROS with those of folders, of each bridge that names some.
+    fn folders(&self) -> Vec<Rc<dyn RosMessages>> {
+        let bridges = self.members.values().flat_map(|it| it.ros.values());
+        bridges.cloned().collect()
     }
 
     /// Combines the diagnostics about instances of one element at one place: the first remains, with the number of the others.
@@ -238,6 +261,16 @@ impl Member {
     pub(crate) fn unread<'m>(&'m self, table: &'m str) -> impl Iterator<Item = &'m str> {
         let of_table = self.unread.iter().filter(move |(key, _)| *key == table);
         of_table.map(|(_, name)| name.as_str())
+    }
+
+    /// Returns the types of ROS of a bridge that names folders with definitions; `None` for another bridge.
+    pub(crate) fn ros(&self, bridge: &str) -> Option<&dyn RosMessages> {
+        self.ros.get(bridge).map(|it| &**it)
+    }
+
+    /// Returns whether some definitions of a bridge are wrong, which has been reported.
+    pub(crate) fn has_wrong_ros(&self, bridge: &str) -> bool {
+        self.wrong_ros.contains(bridge)
     }
 
     /// Returns whether only processes elsewhere run a component.
@@ -331,6 +364,7 @@ impl Visit<'_, '_> {
                 paths.insert(file.value.clone(), found);
             }
         }
+        let (ros, wrong_ros) = self.ros_folders(&composite, path, &mut paths);
         let elsewhere = self.elsewhere(&composite);
         // a file that is nested here and elsewhere is read as one that is nested here
         let mut components: Vec<&Component> = composite.components.iter().collect();
@@ -366,12 +400,10 @@ impl Visit<'_, '_> {
         let programs = self.programs(&composite, path);
         let declared =
             |component: &Component| declaration(component, &programs, self.context.catalogue);
-        discovery::complete(
-            &mut composite,
-            self.context.catalogue,
-            &declared,
-            self.report,
-        );
+        let folders = ros.values().cloned().collect();
+        let catalogue =
+            &ExtendedCatalogue::new(self.context.catalogue, folders, std::iter::empty());
+        discovery::complete(&mut composite, catalogue, &declared, self.report);
         let promoted = |file: &str| {
             let promoted = paths.get(file).and_then(|path| self.promoted.get(path));
             promoted.cloned().unwrap_or_default()
@@ -390,9 +422,67 @@ impl Visit<'_, '_> {
                 paths,
                 programs,
                 elsewhere,
+                ros,
+                wrong_ros,
                 unread,
             },
         );
+    }
+
+    /// Reads the folders with definitions that the bridges of a composite name, and notes their paths. Returns the types by bridge,
+    /// and the bridges some of whose definitions are wrong.
+    fn ros_folders(
+        &mut self,
+        composite: &Composite,
+        path: &str,
+        paths: &mut BTreeMap<String, String>,
+    ) -> (BTreeMap<String, Rc<dyn RosMessages>>, BTreeSet<String>) {
+        let (mut ros, mut wrong) = (BTreeMap::new(), BTreeSet::new());
+        for bridge in &composite.bridges {
+            let written = bridge.definitions.iter();
+            let folders: Vec<PathBuf> = written
+                .map(|folder| directory_of(Some(folder.as_str()), path))
+                .collect();
+            for (written, folder) in bridge.definitions.iter().zip(&folders) {
+                paths.insert(written.value.clone(), folder.to_string_lossy().into_owned());
+            }
+            if folders.is_empty() {
+                continue;
+            }
+            let (catalogue, loader) = (self.context.catalogue, self.context.loader);
+            // a bridge that the executable cannot connect is reported later
+            if let Some(read) = catalogue.ros_with(bridge.kind.value, &folders, loader) {
+                if !read.problems.is_empty() {
+                    wrong.insert(bridge.name.value.clone());
+                }
+                for problem in read.problems {
+                    self.ros_problem(bridge, problem);
+                }
+                ros.insert(bridge.name.value.clone(), read.messages);
+            }
+        }
+        (ros, wrong)
+    }
+
+    /// Reports a wrong folder with definitions, at the line of the definition if there is one.
+    fn ros_problem(&mut self, bridge: &Bridge, problem: RosFolderProblem) {
+        let Some(folder) = bridge.definitions.get(problem.folder) else {
+            return;
+        };
+        let text = problem.file.as_ref();
+        let text = text.and_then(|path| Some((path, self.context.loader.read(path).ok()?)));
+        let line = text.map(|(path, text)| {
+            let (start, length) = line_of(&text, problem.line);
+            let file = self.sources.find(path);
+            let file = file.unwrap_or_else(|| self.sources.add(path, text));
+            Span::new(file, start, start + length)
+        });
+        self.report.found(WrongRosDefinition {
+            reason: problem.reason,
+            folder: folder.value.clone(),
+            at: folder.span,
+            line,
+        });
     }
 
     /// Returns the names of the components that only processes elsewhere run. The processes are those of the outermost
@@ -553,6 +643,14 @@ impl Visit<'_, '_> {
             }
         }
     }
+}
+
+/// Returns the offset and the length of a line of a text, counted from 1; of the first one without a number.
+fn line_of(text: &str, number: Option<usize>) -> (usize, usize) {
+    let mut lines = text.split_inclusive('\n');
+    let before = number.unwrap_or(1).saturating_sub(1);
+    let start = lines.by_ref().take(before).map(str::len).sum();
+    (start, lines.next().map_or(0, |line| line.trim_end().len()))
 }
 
 /// Returns whether a text has a certificate in PEM (RFC 7468).

@@ -42,8 +42,8 @@ mod wording;
 
 pub use at::At;
 pub use catalogue::{
-    Catalogue, ComponentFactory, Constructor, RosMessage, RosMessages, RosMessagesOf, RosOperation,
-    RosOperations, Tables,
+    Catalogue, ComponentFactory, Constructor, RosFolderProblem, RosFolders, RosMessage,
+    RosMessages, RosMessagesOf, RosOperation, RosOperations, Tables,
 };
 pub use codes::CODES;
 pub use context::Context;

@@ -3,14 +3,16 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Duration;
 
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_datum::Schema;
+use asmotion_diagnostics::Loader;
 use asmotion_program::{ProgramCommand, ProgramDeclaration, ProgramError};
 
 use crate::at::At;
-use crate::catalogue::{Catalogue, ComponentFactory, RosMessages};
+use crate::catalogue::{Catalogue, ComponentFactory, RosFolders, RosMessages};
 use crate::model::{BridgeKind, BuiltinComponent, Implementation, Process};
 
 /// The declaration of a program, or the reason that there is none.
@@ -112,17 +114,21 @@ pub fn directory_of(written: Option<&str>, composite: &str) -> PathBuf {
     directory.components().collect()
 }
 
-/// A catalogue together with the types and interfaces that programs of a composite declare.
+/// A catalogue together with the types and interfaces that programs of a composite declare, and those that folders of its
+/// bridges define.
 pub struct ExtendedCatalogue<'a> {
     base: &'a dyn Catalogue,
+    /// Types of ROS with those of folders, of each bridge that names some.
+    folders: Vec<Rc<dyn RosMessages>>,
     messages: BTreeMap<String, Schema>,
     interfaces: BTreeMap<String, Vec<OperationDeclaration>>,
 }
 
 impl<'a> ExtendedCatalogue<'a> {
-    /// Adds the types and interfaces of declarations to a catalogue, which takes precedence.
+    /// Adds the types and interfaces of folders and of declarations to a catalogue, which takes precedence.
     pub(crate) fn new<'d>(
         base: &'a dyn Catalogue,
+        folders: Vec<Rc<dyn RosMessages>>,
         declarations: impl Iterator<Item = &'d ProgramDeclaration> + Clone,
     ) -> Self {
         let mut messages = BTreeMap::new();
@@ -152,6 +158,7 @@ impl<'a> ExtendedCatalogue<'a> {
         }
         Self {
             base,
+            folders,
             messages,
             interfaces,
         }
@@ -183,6 +190,15 @@ impl Catalogue for ExtendedCatalogue<'_> {
         self.base.ros(kind)
     }
 
+    fn ros_with(
+        &self,
+        kind: BridgeKind,
+        folders: &[PathBuf],
+        loader: &dyn Loader,
+    ) -> Option<RosFolders> {
+        self.base.ros_with(kind, folders, loader)
+    }
+
     fn way_to_bridges(&self, kind: BridgeKind) -> Option<String> {
         self.base.way_to_bridges(kind)
     }
@@ -194,7 +210,9 @@ impl Catalogue for ExtendedCatalogue<'_> {
 
     fn schema(&self, message: &str) -> Option<Schema> {
         let own = || self.messages.get(message).cloned();
-        self.base.schema(message).or_else(own)
+        let mut folders = self.folders.iter();
+        let of_folders = || folders.find_map(|it| Some(it.find(message)?.schema));
+        self.base.schema(message).or_else(of_folders).or_else(own)
     }
 
     fn interfaces(&self) -> Vec<String> {
@@ -204,6 +222,9 @@ impl Catalogue for ExtendedCatalogue<'_> {
 
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
         let own = || self.interfaces.get(interface).cloned();
-        self.base.operations(interface).or_else(own)
+        let mut folders = self.folders.iter();
+        let of_folders = || folders.find_map(|it| it.operations()?.interface(interface));
+        let of_build = self.base.operations(interface);
+        of_build.or_else(of_folders).or_else(own)
     }
 }

@@ -36,6 +36,13 @@ macro_rules! numbers {
                 }
             }
 
+            /// Appends the elements as little-endian bytes.
+            pub(crate) fn append_to(&self, bytes: &mut Vec<u8>) {
+                match self {
+                    $(Self::$variant(all) => <$element as Packed>::append(all, bytes),)+
+                }
+            }
+
             /// The RFC 8746 tag of a little-endian typed array of this element type.
             pub fn tag(&self) -> u64 {
                 match self { $(Self::$variant(_) => $tag,)+ }
@@ -104,12 +111,14 @@ macro_rules! numbers {
         $(impl Packed for $element {
             const NAME: &'static str = $name;
 
-            fn pack(all: &[Self]) -> Vec<u8> {
-                let mut bytes = Vec::with_capacity(size_of_val(all));
-                for one in all {
-                    bytes.extend_from_slice(&one.to_le_bytes());
+            fn append(all: &[Self], bytes: &mut Vec<u8>) {
+                let start = bytes.len();
+                bytes.resize(start + size_of_val(all), 0);
+                // in one block, and not element by element, whose bytes the compiler does not join
+                let (chunks, _) = bytes[start..].as_chunks_mut();
+                for (chunk, one) in chunks.iter_mut().zip(all) {
+                    *chunk = one.to_le_bytes();
                 }
-                bytes
             }
 
             fn unpack<C: FromIterator<Self>>(bytes: &[u8]) -> Option<C> {
@@ -157,7 +166,14 @@ pub(crate) trait Packed: Sized {
     /// The newtype name that identifies a packed byte string to this crate's serialisers.
     const NAME: &'static str;
 
-    fn pack(all: &[Self]) -> Vec<u8>;
+    /// Appends the elements to bytes.
+    fn append(all: &[Self], bytes: &mut Vec<u8>);
+
+    fn pack(all: &[Self]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        Self::append(all, &mut bytes);
+        bytes
+    }
 
     /// Returns `None` if the length is not a multiple of the element size.
     fn unpack<C: FromIterator<Self>>(bytes: &[u8]) -> Option<C>;
@@ -167,8 +183,8 @@ pub(crate) trait Packed: Sized {
 impl Packed for u8 {
     const NAME: &'static str = "datum::u8";
 
-    fn pack(all: &[Self]) -> Vec<u8> {
-        all.to_vec()
+    fn append(all: &[Self], bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(all);
     }
 
     fn unpack<C: FromIterator<Self>>(bytes: &[u8]) -> Option<C> {

@@ -10,7 +10,7 @@ use toml_edit::{DocumentMut, Item, Table};
 pub use self::path::beside;
 use crate::joint::{Connection, Promoted, Topic};
 use crate::opened::Opened;
-use crate::plan::{Plan, Terminal, Wire};
+use crate::plan::{Bridge, Plan, Terminal, Wire};
 use asmotion_composite::model::{ConnectionType, Transport};
 use asmotion_composite::table::{Lines, WrittenTable, one_or_many, table, tables};
 
@@ -40,7 +40,7 @@ pub fn expand(opened: &Opened, plan: &Plan) -> String {
         ),
         (
             "bridges",
-            named(&plan.bridges, |it| (&it.name, written(it))),
+            named(&plan.bridges, |it| (&it.name, bridge(it, root))),
         ),
         (
             "components",
@@ -96,6 +96,15 @@ fn topics(topics: &[Topic]) -> Table {
         }
     }
     section
+}
+
+/// Serialises a bridge.
+fn bridge(bridge: &Bridge, root: &str) -> Table {
+    let mut bridge = bridge.clone();
+    for folder in &mut bridge.definitions {
+        *folder = beside(root, folder);
+    }
+    written(&bridge)
 }
 
 /// Serialises a wire. A local binding is omitted: the transport then follows from the processes of both ends.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::Schema;
 use asmotion_diagnostics::{Diagnostic, Report, Severity, Sources, Span};
 
@@ -9,7 +10,7 @@ use asmotion_composite::family::Family;
 use asmotion_composite::model::Composite;
 use asmotion_composite::scope::SubstitutionNotes;
 use asmotion_composite::types::Types;
-use asmotion_composite::{Context, check};
+use asmotion_composite::{Catalogue, Context, check};
 
 use crate::flatten::{Parts, flatten};
 use crate::plan::Plan;
@@ -67,7 +68,8 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let mut family = Family::read(path, context, &mut sources, &mut report);
     family.complete_programs(context.catalogue);
     let family = family;
-    let catalogue = family.extend(context.catalogue);
+    let build = context.catalogue;
+    let catalogue = family.extend(build);
     let context = &Context {
         catalogue: &catalogue,
         ..*context
@@ -104,6 +106,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         let plan = flatten(&parts, &mut notes);
         if let Some(mut plan) = plan.filter(|_| !broken && !notes.report.has_errors()) {
             plan.types = schemas(&plan, &types);
+            plan.interfaces = interfaces(&plan, &family, build);
             plans.push((profile.map(str::to_owned), plan));
         }
         outside |= notes.outside;
@@ -141,6 +144,20 @@ fn schemas(plan: &Plan, types: &BTreeMap<&str, Types<'_>>) -> BTreeMap<String, S
             let schema = types.values().find_map(|types| types.schema(&port.kind))?;
             Some((port.kind.clone(), schema))
         })
+        .collect()
+}
+
+/// Operations of the service interfaces that only folders with definitions of ROS have.
+fn interfaces(
+    plan: &Plan,
+    family: &Family,
+    build: &dyn Catalogue,
+) -> BTreeMap<String, Vec<OperationDeclaration>> {
+    let components = plan.components.iter();
+    let named = components.flat_map(|it| it.services.iter().chain(&it.references));
+    let unknown = named.filter(|it| build.operations(&it.interface).is_none());
+    unknown
+        .filter_map(|it| Some((it.interface.clone(), family.ros_interface(&it.interface)?)))
         .collect()
 }
 

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::Schema;
 
 use crate::component::Component;
@@ -56,6 +57,8 @@ pub struct Plan {
     pub record: Option<Record>,
     /// Schemas by message type name; unknown types are absent.
     pub types: BTreeMap<String, Schema>,
+    /// Operations by service interface, of those that only folders with definitions of ROS have.
+    pub interfaces: BTreeMap<String, Vec<OperationDeclaration>>,
 }
 
 impl Plan {

@@ -1,5 +1,7 @@
 //! The domain of ROS 2.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::generation::Generation;
@@ -31,8 +33,10 @@ impl DomainArguments {
         &self,
         generation: Generation,
         master: &MasterArguments,
+        definitions: &[PathBuf],
     ) -> Result<(), GenerationError> {
         let foreign = match generation {
+            Generation::One if !definitions.is_empty() => Some(("--definitions", 2, 1)),
             Generation::One => self.domain.map(|_| ("--domain", 2, 1)),
             Generation::Two => master.given().map(|option| (option, 1, 2)),
         };
@@ -45,6 +49,10 @@ impl DomainArguments {
 
 #[cfg(feature = "ros2")]
 mod with_ros2 {
+    use std::path::PathBuf;
+    use std::sync::Arc;
+
+    use asmotion_ros_interface::FolderError;
     use asmotion_ros2::{Node, NodeError, NodeOptions};
 
     use super::DomainArguments;
@@ -56,6 +64,8 @@ mod with_ros2 {
     pub(in super::super) enum NoDomain {
         #[error(transparent)]
         Variable(#[from] RosVariableError),
+        #[error(transparent)]
+        Folder(#[from] FolderError),
         #[error(transparent)]
         Node(#[from] NodeError),
     }
@@ -69,17 +79,21 @@ mod with_ros2 {
             self.domain.map_or_else(own_domain, Ok)
         }
 
-        /// Starts a node for the time of a command.
+        /// Starts a node for the time of a command, which knows the definitions in folders, too.
         ///
         /// # Errors
-        /// A variable of ROS has a wrong value, or the node cannot be started.
-        pub(in super::super) fn node(&self) -> Result<Node, NoDomain> {
+        /// A variable of ROS has a wrong value, a definition is wrong, or the node cannot be started.
+        pub(in super::super) fn node(&self, folders: &[PathBuf]) -> Result<Node, NoDomain> {
+            let mut catalogue = ros_messages::jazzy();
+            for folder in folders {
+                Arc::make_mut(&mut catalogue).add_folder(folder)?;
+            }
             let options = NodeOptions {
                 domain: self.id()?,
                 networks: networks()?,
                 ..NodeOptions::named(format!("asmotion_{}", std::process::id()))
             };
-            Ok(Node::start(options, ros_messages::jazzy())?)
+            Ok(Node::start(options, catalogue)?)
         }
     }
 }

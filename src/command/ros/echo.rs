@@ -1,5 +1,6 @@
 //! `asmotion ros echo`: prints the messages of a topic.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -33,6 +34,11 @@ pub struct RosEcho {
     #[command(flatten)]
     domain: DomainArguments,
 
+    /// ROS 2: folder with further definitions of messages, such as /opt/ros/jazzy/share; may be repeated. Those of ROS 1 come from the
+    /// publisher
+    #[arg(long, value_name = "DIR")]
+    definitions: Vec<PathBuf>,
+
     #[command(flatten)]
     printed: Printed,
 }
@@ -40,12 +46,14 @@ pub struct RosEcho {
 impl RosEcho {
     /// Prints each message on a line. Receiving none is a finding; a master that does not answer is a usage error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        if let Err(error) = self.domain.check(self.ros, &self.master) {
+        let folders = &self.definitions;
+        if let Err(error) = self.domain.check(self.ros, &self.master, folders) {
             terminal.error(error);
             return Exit::Usage;
         }
         if self.ros == Generation::Two {
-            return super::ros2_echo::run(&self.topic, &self.domain, &self.printed, terminal);
+            let of = (&*self.topic, &self.domain, &**folders);
+            return super::ros2_echo::run(of, &self.printed, terminal);
         }
         self.of_master(terminal)
     }

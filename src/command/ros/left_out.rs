@@ -27,11 +27,12 @@ pub(super) mod ros2_list {
 }
 
 pub(super) mod ros2_echo {
+    use std::path::PathBuf;
+
     use super::{DomainArguments, Exit, Printed, TerminalOutput, explain};
 
     pub(in super::super) fn run(
-        _: &str,
-        _: &DomainArguments,
+        _: (&str, &DomainArguments, &[PathBuf]),
         _: &Printed,
         terminal: &mut TerminalOutput,
     ) -> Exit {

@@ -35,7 +35,7 @@ pub struct RosList {
 impl RosList {
     /// Prints nodes, topics and services. A master that does not answer is a usage error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        if let Err(error) = self.domain.check(self.ros, &self.master) {
+        if let Err(error) = self.domain.check(self.ros, &self.master, &[]) {
             terminal.error(error);
             return Exit::Usage;
         }

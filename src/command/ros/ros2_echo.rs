@@ -1,5 +1,6 @@
 //! `asmotion ros echo --ros 2`: prints the messages of a topic of ROS 2.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use asmotion_ros2::{Durability, Endpoint, EndpointKind, Graph, Node, Qos, Received, Reliability};
@@ -17,12 +18,11 @@ const DISCOVERY: Duration = Duration::from_millis(500);
 
 /// Prints each message on a line. Receiving none is a finding.
 pub(super) fn run(
-    topic: &str,
-    domain: &DomainArguments,
+    (topic, domain, folders): (&str, &DomainArguments, &[PathBuf]),
     printed: &Printed,
     terminal: &mut TerminalOutput,
 ) -> Exit {
-    let node = match domain.node() {
+    let node = match domain.node(folders) {
         Ok(node) => node,
         Err(error) => {
             terminal.error(error);

@@ -18,7 +18,7 @@ pub(super) fn run(
     is_json: bool,
     terminal: &mut TerminalOutput,
 ) -> Exit {
-    let node = match domain.node() {
+    let node = match domain.node(&[]) {
         Ok(node) => node,
         Err(error) => {
             terminal.error(error);

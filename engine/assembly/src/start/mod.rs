@@ -11,7 +11,7 @@ mod workshop;
 
 use std::time::Duration;
 
-use asmotion_component::declaration::Declaration;
+use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_component::{Component, Interface, Policy, PropertyError, Wire};
 use asmotion_coordinator::{Monitored, Receive, Source};
 use asmotion_network::{Network, port_topic};
@@ -354,7 +354,7 @@ impl Building<'_> {
             if stays_here(wire, service, self.part) {
                 self.system.wire(&caller, &provider, how)?
             } else {
-                let known = |interface: &str| workshop.operations(interface);
+                let known = operations(self.plan, workshop);
                 let system = &mut self.system;
                 self.network
                     .wire_remote_over(system, &caller, &provider, how, broker, &known)?;
@@ -374,14 +374,14 @@ impl Building<'_> {
         let (system, network) = (&mut self.system, &mut self.network);
         match (wire.binding, &wire.url) {
             (Transport::Http, Some(url)) => {
-                let known = |interface: &str| workshop.operations(interface);
+                let known = operations(self.plan, workshop);
                 let url = (url.reveal(), url.shown());
                 network.wire_external(system, &caller, url, how, &known)?;
             }
             (Transport::Amqp, Some(_)) => {
                 if let Some(service) = robot_address(wire) {
                     let broker = self.plan.broker_of_wire(wire);
-                    let known = |interface: &str| workshop.operations(interface);
+                    let known = operations(self.plan, workshop);
                     network.wire_to_robot(system, &caller, service, how, broker, &known)?;
                 }
             }
@@ -394,6 +394,17 @@ impl Building<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// The operations of service interfaces: those of the workshop, and those that only the plan has.
+fn operations<'p>(
+    plan: &'p Plan,
+    workshop: &'p dyn Workshop,
+) -> impl Fn(&str) -> Option<Vec<OperationDeclaration>> + 'p {
+    move |interface| {
+        let of_plan = || plan.interfaces.get(interface).cloned();
+        workshop.operations(interface).or_else(of_plan)
     }
 }
 

@@ -11,12 +11,15 @@ use asmotion_diagnostics::{Report, Span};
 use super::ros_bridge::check_name;
 use super::scene::CheckedComposite;
 use crate::finding::Findings;
-use crate::model::{Bridge, BridgeKind, Implementation};
+use crate::model::{Bridge, BridgeKind, Component, Implementation, MapEntry};
+
+/// Topic of transforms of a bridge that names none.
+const TRANSFORMS: &str = "/tf";
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
         let kind = bridge.kind.value;
-        if scene.catalogue.ros(kind).is_none() {
+        if scene.ros(bridge).is_none() {
             let way = scene.catalogue.way_to_bridges(kind);
             let own = "connect to ROS with a program of its own on the broker (docs/wire.md)";
             report.found(UnsupportedKey {
@@ -33,6 +36,24 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
         }
         if let Some(node) = &bridge.node {
             check_name(node, kind, report);
+        }
+        if let Some(topic) = &bridge.transforms {
+            check_name(topic, kind, report);
+            // an expansion has the default
+            if topic.value != TRANSFORMS && !has_transforms(scene, bridge) {
+                report.found(IdleKey {
+                    key: Cow::Borrowed("transforms"),
+                    at: topic.span,
+                    reason: "no mapping of the bridge has the key `transform`",
+                });
+            }
+        }
+        if let (BridgeKind::Rosbridge, Some(folder)) = (kind, bridge.definitions.first()) {
+            report.found(IdleKey {
+                key: Cow::Borrowed("definitions"),
+                at: folder.span,
+                reason: "belongs to bridges of another kind",
+            });
         }
         check_keys(bridge, report);
     }
@@ -86,8 +107,22 @@ fn check_keys(bridge: &Bridge, report: &mut Report) {
 
 /// Returns whether a component of the composite names a bridge, in any profile.
 fn is_used(scene: &CheckedComposite<'_>, bridge: &Bridge) -> bool {
-    let mut components = scene.composite.components.iter();
-    components.any(|component| {
+    users(scene, bridge).next().is_some()
+}
+
+/// Returns whether a component that names a bridge transforms messages, in any profile.
+fn has_transforms(scene: &CheckedComposite<'_>, bridge: &Bridge) -> bool {
+    let mut entries = users(scene, bridge).flat_map(|it| &it.special.map);
+    entries.any(|entry| matches!(entry, MapEntry::Ros(entry) if entry.transform.is_some()))
+}
+
+/// The components of the composite that name a bridge, in any profile.
+fn users<'s>(
+    scene: &'s CheckedComposite<'_>,
+    bridge: &'s Bridge,
+) -> impl Iterator<Item = &'s Component> {
+    let components = scene.composite.components.iter();
+    components.filter(|component| {
         let Some(Implementation::Builtin {
             bridge: Some(name), ..
         }) = &component.implementation

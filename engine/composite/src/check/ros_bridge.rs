@@ -24,7 +24,7 @@ use crate::codes::c173::InvalidRosName;
 use crate::codes::c174::NoTransformation;
 use crate::codes::c184::WrongConverter;
 use crate::finding::Findings;
-use crate::model::{BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
+use crate::model::{Bridge, BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
 use crate::nearest::{nearest, nearest_name};
 use crate::table::NamedValue;
 
@@ -53,13 +53,13 @@ pub(super) fn check(
         };
         check_name(&entry.ros, bridge.kind.value, report);
         if operation_of(entry).is_some() {
-            ros_operation::check_entry(scene, component, bridge.kind.value, entry, report);
+            ros_operation::check_entry(scene, component, bridge, entry, report);
             continue;
         }
         ros_operation::only_for_actions(entry, "belongs to actions", report);
         check_qos(entry, bridge.kind.value, report);
         check_transform(entry, report);
-        check_entry(scene, component, bridge.kind.value, entry, report);
+        check_entry(scene, component, bridge, entry, report);
         if entry.direction.value == Direction::ToRos
             && let Some(first) = published.insert(&entry.ros, entry)
         {
@@ -84,7 +84,7 @@ pub(super) fn operation_of(entry: &RosEntry) -> Option<(&str, &str)> {
 fn check_entry(
     scene: &CheckedComposite<'_>,
     component: &Component,
-    kind: BridgeKind,
+    bridge: &Bridge,
     entry: &RosEntry,
     report: &mut Report,
 ) {
@@ -107,7 +107,7 @@ fn check_entry(
             kind: entry.kind.value.clone(),
             at: entry.from.span,
         }),
-        Some(listed) => check_types(scene, kind, entry, listed, report),
+        Some(listed) => check_types(scene, bridge, entry, listed, report),
     }
 }
 
@@ -158,21 +158,25 @@ fn check_transform(entry: &RosEntry, report: &mut Report) {
 /// Compares the type of a port with that of its topic in ROS.
 fn check_types(
     scene: &CheckedComposite<'_>,
-    kind: BridgeKind,
+    bridge: &Bridge,
     entry: &RosEntry,
     listed: &Listed,
     report: &mut Report,
 ) {
     // reported at the bridge; there are no definitions
-    let Some(messages) = scene.catalogue.ros(kind) else {
+    let Some(messages) = scene.ros(bridge) else {
         return;
     };
     let Some(there) = messages.find(&entry.kind) else {
+        if scene.member.has_wrong_ros(&bridge.name) {
+            return;
+        }
         let known = messages.names();
         report.found(UnknownRosType {
             name: entry.kind.value.clone(),
-            generation: generation(kind),
+            generation: generation(bridge.kind.value),
             at: entry.kind.span,
+            problem: messages.problem(&entry.kind),
             nearest: nearest_name(&entry.kind, known.iter().map(String::as_str)),
         });
         return;

@@ -13,7 +13,7 @@ use super::component::unknown;
 use super::ros_bridge::{definition, generation, operation_of};
 use super::scene::CheckedComposite;
 use crate::at::At;
-use crate::catalogue::{RosOperation, RosOperations};
+use crate::catalogue::RosOperation;
 use crate::codes::c048::IdleKey;
 use crate::codes::c076::UnsupportedKey;
 use crate::codes::c122::PortNotListed;
@@ -22,14 +22,14 @@ use crate::codes::c181::RosOperationDiffers;
 use crate::codes::c182::OperationNotMapped;
 use crate::codes::c183::OperationMappedTwice;
 use crate::finding::Findings;
-use crate::model::{BridgeKind, Component, Direction, Listed, MapEntry, RosEntry};
+use crate::model::{Bridge, Component, Direction, Listed, MapEntry, RosEntry};
 use crate::nearest::{nearest, nearest_name};
 
 /// Checks an entry that maps an operation.
 pub(super) fn check_entry(
     scene: &CheckedComposite<'_>,
     component: &Component,
-    kind: BridgeKind,
+    bridge: &Bridge,
     entry: &RosEntry,
     report: &mut Report,
 ) {
@@ -46,7 +46,7 @@ pub(super) fn check_entry(
         });
     }
     // reported at the bridge
-    let Some(messages) = scene.catalogue.ros(kind) else {
+    let Some(messages) = scene.ros(bridge) else {
         return;
     };
     let Some(operations) = messages.operations() else {
@@ -57,7 +57,18 @@ pub(super) fn check_entry(
         });
         return;
     };
-    let Some(there) = find(operations, kind, entry, report) else {
+    let Some(there) = operations.find(&entry.kind) else {
+        if scene.member.has_wrong_ros(&bridge.name) {
+            return;
+        }
+        let known = operations.names();
+        report.found(UnknownRosOperation {
+            name: entry.kind.value.clone(),
+            generation: generation(bridge.kind.value),
+            at: entry.kind.span,
+            problem: messages.problem(&entry.kind),
+            nearest: nearest_name(&entry.kind, known.iter().map(String::as_str)),
+        });
         return;
     };
     if there.feedback.is_none() {
@@ -157,25 +168,6 @@ pub(super) fn check_all(scene: &CheckedComposite<'_>, component: &Component, rep
             }
         }
     }
-}
-
-fn find(
-    operations: &dyn RosOperations,
-    kind: BridgeKind,
-    entry: &RosEntry,
-    report: &mut Report,
-) -> Option<RosOperation> {
-    let found = operations.find(&entry.kind);
-    if found.is_none() {
-        let known = operations.names();
-        report.found(UnknownRosOperation {
-            name: entry.kind.value.clone(),
-            generation: generation(kind),
-            at: entry.kind.span,
-            nearest: nearest_name(&entry.kind, known.iter().map(String::as_str)),
-        });
-    }
-    found
 }
 
 /// The interface of the service or reference that an entry names; reports one that is not listed.

@@ -13,12 +13,13 @@ use super::endpoints::{
 };
 use super::profile::takes_part;
 use crate::at::At;
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, RosMessages};
 use crate::family::{Family, Member};
 use crate::finding::Findings;
 use crate::model::binding::Bind;
 use crate::model::{
-    Amount, Component, Composite, Delivery, Deploy, End, Implementation, Terminal, Transport,
+    Amount, Bridge, Component, Composite, Delivery, Deploy, End, Implementation, Terminal,
+    Transport,
 };
 use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
@@ -75,6 +76,12 @@ impl<'s> CheckedComposite<'s> {
             delivery.is_some_and(|delivery| delivery.value == Delivery::Poll)
                 && connection.to.iter().any(into)
         })
+    }
+
+    /// Returns the types of ROS of a bridge, with those of its folders; `None` if the executable cannot connect it.
+    pub(crate) fn ros(&self, bridge: &Bridge) -> Option<&dyn RosMessages> {
+        let of_folders = self.member.ros(&bridge.name);
+        of_folders.or_else(|| self.catalogue.ros(bridge.kind.value))
     }
 
     /// Returns whether the component cycles by its own period or after its master.

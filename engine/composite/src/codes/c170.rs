@@ -4,7 +4,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Unknown message type of ROS
 ///
 /// The type of a mapped topic is a message of the generation of ROS that the bridge connects to.
-/// `asmotion ros types` lists them.
+/// `asmotion ros types` lists them. Further ones come from the folders that the bridge names in `definitions`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -58,17 +58,24 @@ pub(crate) struct UnknownRosType {
     pub name: String,
     pub generation: &'static str,
     pub at: Span,
+    /// Why a type that has a definition cannot be used.
+    pub problem: Option<String>,
     pub nearest: Option<Nearest>,
 }
 
 impl Finding for UnknownRosType {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        if let Some(problem) = &self.problem {
+            return diagnostic
+                .label(self.at, "its definition cannot be used")
+                .note(problem.clone());
+        }
         diagnostic
             .label(self.at, "not among the message types of this build")
             .suggest_or(
                 self.at,
                 &self.nearest,
-                "`asmotion ros types` lists the message types",
+                "`asmotion ros types` lists the message types; the key `definitions` of the bridge names folders with others",
             )
     }
 }

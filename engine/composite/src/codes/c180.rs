@@ -50,17 +50,24 @@ pub(crate) struct UnknownRosOperation {
     pub name: String,
     pub generation: &'static str,
     pub at: Span,
+    /// Why a service or an action that has a definition cannot be used.
+    pub problem: Option<String>,
     pub nearest: Option<Nearest>,
 }
 
 impl Finding for UnknownRosOperation {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        if let Some(problem) = &self.problem {
+            return diagnostic
+                .label(self.at, "its definition cannot be used")
+                .note(problem.clone());
+        }
         diagnostic
             .label(self.at, "not among the services and actions of this build")
             .suggest_or(
                 self.at,
                 &self.nearest,
-                "`asmotion ros types` lists services and actions",
+                "`asmotion ros types` lists services and actions; the key `definitions` of the bridge names folders with others",
             )
     }
 }

@@ -119,6 +119,14 @@ pub struct Bridge {
     /// Node name in ROS, with its namespace. By default it consists of the names of the composite and of the component.
     #[key(example = "\"/composite_bridge\"")]
     pub node: Option<At<String>>,
+    /// Topic of transforms, as for a robot whose nodes map `/tf` to `tf` in its namespace; a relative name is in the namespace of
+    /// the node. Transforms that hold at all times are on the topic of this name with `_static`.
+    #[key(default = "/tf", example = "\"tf\"")]
+    pub transforms: Option<At<String>>,
+    /// Folders with further definitions of messages, services and actions, relative to the composite: packages, a folder of
+    /// packages, or an installed ROS.
+    #[key(example = "[\"msgs\", \"/opt/ros/jazzy/share\"]")]
+    pub definitions: Vec<At<String>>,
 }
 
 /// Middleware connected by a bridge.

@@ -6,16 +6,34 @@
 //! Source: the ROS wiki, "Technical Overview" and "msg", section *Fields*.
 
 use super::cdr::{read_ros1, write_ros1};
-use crate::error::DatumError;
+use crate::error::{DatumError, DatumProblem};
 use crate::schema::Schema;
 use crate::value::Datum;
+
+/// Bytes of the length that precedes a message on a connection.
+const LENGTH: usize = 4;
 
 /// Encodes a datum, without the length that precedes a message on a connection.
 ///
 /// # Errors
 /// The datum does not fit the schema, or a part of the schema is unknown.
 pub fn encode(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
-    write_ros1(datum, schema)
+    write_ros1(datum, schema, Vec::new())
+}
+
+/// Encodes a datum, with the length that precedes a message on a connection.
+///
+/// # Errors
+/// As [`encode`], or the message has more bytes than 32 bits can count.
+pub fn encode_frame(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
+    let mut frame = write_ros1(datum, schema, vec![0; LENGTH])?;
+    let length = frame.len() - LENGTH;
+    let length = u32::try_from(length).map_err(|_| {
+        let reason = format!("{length} bytes are more than 32 bits can count");
+        DatumError::new(DatumProblem::Mismatch(reason))
+    })?;
+    frame[..LENGTH].copy_from_slice(&length.to_le_bytes());
+    Ok(frame)
 }
 
 /// Decodes a datum.

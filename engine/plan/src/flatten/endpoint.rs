@@ -14,7 +14,7 @@ use crate::codes::c068::InvalidServiceUrl;
 use crate::codes::c069::OwnRobot;
 use crate::codes::c152::TokenInClear;
 use crate::codes::c191::AuthorityWithoutTls;
-use crate::plan::{Endpoint, Wire};
+use crate::plan::{Bridge, Endpoint, Wire};
 use crate::route::robot_address;
 use asmotion_composite::At;
 use asmotion_composite::address::password;
@@ -37,7 +37,12 @@ impl Flattener<'_, '_> {
         let brokers = composite.brokers.iter();
         self.plan.brokers.extend(brokers.filter_map(|it| to.of(it)));
         let bridges = composite.bridges.iter();
-        self.plan.bridges.extend(bridges.filter_map(|it| to.of(it)));
+        let bridges = bridges.filter_map(|it| to.of(it));
+        let folder = |written: &String| instance.member.path(written).map(str::to_owned);
+        self.plan.bridges.extend(bridges.map(|bridge| Bridge {
+            definitions: bridge.definitions.iter().filter_map(folder).collect(),
+            ..bridge
+        }));
     }
 
     /// Adds the gateways of the outermost composite, which give access to its promotions.

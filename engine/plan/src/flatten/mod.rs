@@ -76,6 +76,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         restart: None,
         record: None,
         types: BTreeMap::new(),
+        interfaces: BTreeMap::new(),
     }
 }
 

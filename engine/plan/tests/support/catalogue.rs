@@ -1,14 +1,19 @@
 //! A catalogue with a few components of the navigation architecture.
 
+use std::path::PathBuf;
+use std::rc::Rc;
+
 use asmotion_component::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
     ServiceDeclaration,
 };
 use asmotion_composite::model::{BridgeKind, BuiltinComponent};
 use asmotion_composite::{
-    Catalogue, ComponentFactory, RosMessage, RosMessages, RosOperation, RosOperations,
+    Catalogue, ComponentFactory, RosFolderProblem, RosFolders, RosMessage, RosMessages,
+    RosOperation, RosOperations,
 };
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
+use asmotion_diagnostics::Loader;
 
 /// A catalogue with a few components, message types and interfaces.
 pub struct SmallBuild;
@@ -114,6 +119,25 @@ impl Catalogue for SmallBuild {
 
     fn ros(&self, kind: BridgeKind) -> Option<&dyn RosMessages> {
         (kind != BridgeKind::Rosbridge).then_some(self)
+    }
+
+    fn ros_with(
+        &self,
+        kind: BridgeKind,
+        folders: &[PathBuf],
+        _: &dyn Loader,
+    ) -> Option<RosFolders> {
+        self.ros(kind)?;
+        let wrong = |(folder, path): (usize, &PathBuf)| RosFolderProblem {
+            folder,
+            file: None,
+            line: None,
+            reason: format!("{}: no such folder", path.display()),
+        };
+        Some(RosFolders {
+            messages: Rc::new(Self),
+            problems: folders.iter().enumerate().map(wrong).collect(),
+        })
     }
 
     fn way_to_bridges(&self, _: BridgeKind) -> Option<String> {

@@ -57,6 +57,7 @@ fn main() {
                     node: format!("/{node}"),
                     master: uri.clone(),
                     host: "127.0.0.1".to_owned(),
+                    relays: Vec::new(),
                 };
                 let noetic = Arc::new(Catalogue::included(Distribution::Ros1));
                 Box::new(Ros1Transport::new(settings, noetic))

@@ -12,7 +12,7 @@ use asmotion_datum::Datum;
 use crate::calls::CalledOperation;
 use crate::desk::ComponentDesk;
 use crate::echo::Echoes;
-use crate::frames::{self, Transforms};
+use crate::frames::Transforms;
 use crate::inbound::Inbound;
 use crate::mapped::{JoinedTopics, MappedTopic, RosDirection};
 use crate::misfits::Misfits;
@@ -94,6 +94,15 @@ impl RosBridge {
         })
     }
 
+    /// Takes transforms from this topic and the one of its name with `_static`, in place of `/tf` and `/tf_static`.
+    #[must_use]
+    pub fn with_transforms_of(self, topic: &str) -> Self {
+        Self {
+            transforms: Transforms::on(topic),
+            ..self
+        }
+    }
+
     /// Declares the services that ROS carries out, and the references that it calls. Joins nothing.
     ///
     /// # Errors
@@ -161,7 +170,8 @@ impl RosBridge {
         let transformed = self.to_ros.iter().map(|it| &it.mapped);
         let mut transformed = transformed.chain(self.from_ros.iter().map(|it| &it.mapped));
         let transforms = if transformed.any(|it| it.transform.is_some()) {
-            frames::subscribe(&mut *connection).map_err(Fault::new)?
+            let subscribed = self.transforms.subscribe(&mut *connection);
+            subscribed.map_err(Fault::new)?
         } else {
             Vec::new()
         };

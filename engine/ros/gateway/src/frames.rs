@@ -12,8 +12,8 @@ use crate::misfits::Misfits;
 use crate::traffic::Traffic;
 use crate::transport::{MessageReceiver, RosConnection, RosMessage};
 
-/// Topics of transforms, and whether they hold at all times.
-const TOPICS: [(&str, bool); 2] = [("/tf", false), ("/tf_static", true)];
+/// Topic of transforms, unless a bridge names another one.
+const TOPIC: &str = "/tf";
 
 /// Type of both topics.
 const KIND: &str = "tf2_msgs/TFMessage";
@@ -22,41 +22,74 @@ const KIND: &str = "tf2_msgs/TFMessage";
 const QUEUE: usize = 1000;
 
 /// The transforms that a bridge has received.
-#[derive(Default)]
 pub(crate) struct Transforms {
     pub(crate) buffer: TransformBuffer,
-    traffic: [Traffic; 2],
-    /// Transforms that were refused, by topic.
-    refused: [u64; 2],
+    topics: [TransformTopic; 2],
+}
+
+/// A topic of transforms.
+struct TransformTopic {
+    ros: String,
+    /// Whether its transforms hold at all times.
+    is_static: bool,
+    traffic: Traffic,
+    /// Transforms that were refused.
+    refused: u64,
+}
+
+impl Default for Transforms {
+    fn default() -> Self {
+        Self::on(TOPIC)
+    }
 }
 
 /// Subscriptions to the topics of transforms; none if the bridge needs no transforms.
 pub(crate) type TransformReceivers = Vec<Box<dyn MessageReceiver>>;
 
-/// Subscribes to the transforms.
-///
-/// # Errors
-/// As [`RosConnection::subscribe`].
-pub(crate) fn subscribe(connection: &mut dyn RosConnection) -> Result<TransformReceivers, String> {
-    let topics = TOPICS.iter().map(|(ros, is_static)| MappedTopic {
-        port: String::new(),
-        topic: None,
-        schema: Schema::opaque(KIND),
-        ros: (*ros).to_owned(),
-        kind: KIND.to_owned(),
-        queue: QUEUE,
-        is_latched: *is_static,
-        is_best_effort: false,
-        deadline: None,
-        lifespan: None,
-        converters: Vec::new(),
-        transform: None,
-        direction: RosDirection::FromRos,
-    });
-    topics.map(|topic| connection.subscribe(&topic)).collect()
-}
-
 impl Transforms {
+    /// Those on a topic; static ones are on the topic of this name with `_static`.
+    pub(crate) fn on(topic: &str) -> Self {
+        let topic_of = |ros, is_static| TransformTopic {
+            ros,
+            is_static,
+            traffic: Traffic::default(),
+            refused: 0,
+        };
+        Self {
+            buffer: TransformBuffer::default(),
+            topics: [
+                topic_of(topic.to_owned(), false),
+                topic_of(format!("{topic}_static"), true),
+            ],
+        }
+    }
+
+    /// Subscribes to the topics.
+    ///
+    /// # Errors
+    /// As [`RosConnection::subscribe`].
+    pub(crate) fn subscribe(
+        &self,
+        connection: &mut dyn RosConnection,
+    ) -> Result<TransformReceivers, String> {
+        let topics = self.topics.iter().map(|topic| MappedTopic {
+            port: String::new(),
+            topic: None,
+            schema: Schema::opaque(KIND),
+            ros: topic.ros.clone(),
+            kind: KIND.to_owned(),
+            queue: QUEUE,
+            is_latched: topic.is_static,
+            is_best_effort: false,
+            deadline: None,
+            lifespan: None,
+            converters: Vec::new(),
+            transform: None,
+            direction: RosDirection::FromRos,
+        });
+        topics.map(|topic| connection.subscribe(&topic)).collect()
+    }
+
     /// Takes the transforms that have arrived. Those that are refused are counted, and reported once for each cause.
     pub(crate) fn update(
         &mut self,
@@ -64,15 +97,15 @@ impl Transforms {
         misfits: &mut Misfits,
         cycle: &mut Cycle<'_>,
     ) {
-        let counts = self.traffic.iter_mut().zip(&mut self.refused);
-        let topics = TOPICS.iter().zip(counts).zip(receivers);
-        for (((ros, is_static), (traffic, refused)), receiver) in topics {
+        for (topic, receiver) in self.topics.iter_mut().zip(receivers) {
             for message in receiver.take() {
-                let reasons = self.buffer.insert_message(&message.content, *is_static);
-                traffic.pass(1, Instant::now());
+                let reasons = self
+                    .buffer
+                    .insert_message(&message.content, topic.is_static);
+                topic.traffic.pass(1, Instant::now());
                 for reason in reasons {
-                    *refused += 1;
-                    misfits.count_transform(ros, &reason.to_string(), cycle);
+                    topic.refused += 1;
+                    misfits.count_transform(&topic.ros, &reason.to_string(), cycle);
                 }
             }
         }
@@ -87,15 +120,15 @@ impl Transforms {
         if receivers.is_empty() {
             return Vec::new();
         }
-        let counts = self.traffic.iter().zip(self.refused);
-        let topics = TOPICS.iter().zip(counts).zip(receivers);
-        let topics = topics.map(|(((ros, _), (traffic, refused)), receiver)| {
+        let topics = self.topics.iter().zip(receivers);
+        let topics = topics.map(|(topic, receiver)| {
             let found = receiver.losses();
             let losses = Losses {
-                misfits: found.misfits + refused,
+                misfits: found.misfits + topic.refused,
                 ..found
             };
-            (format!("transforms ← {ros}"), traffic.describe(losses, now))
+            let name = format!("transforms ← {}", topic.ros);
+            (name, topic.traffic.describe(losses, now))
         });
         let frames = i64::try_from(self.buffer.frames()).unwrap_or(i64::MAX);
         topics

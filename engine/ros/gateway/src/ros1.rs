@@ -31,6 +31,8 @@ pub struct Ros1Settings {
     pub master: String,
     /// Host or IP address at which other nodes reach this machine.
     pub host: String,
+    /// Topics whose messages the bridge brings to a topic of the composite that it sends to other topics, with those topics.
+    pub relays: Vec<(String, String)>,
 }
 
 /// Reaches the nodes that a master of ROS 1 knows.
@@ -67,13 +69,19 @@ impl RosTransport for Ros1Transport {
     }
 
     fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
-        let Ros1Settings { node, master, host } = &self.settings;
+        let Ros1Settings {
+            node,
+            master,
+            host,
+            relays,
+        } = &self.settings;
         let master: RosUri = master.parse().map_err(|error| format!("{error}"))?;
         let notices = Arc::new(Notices::default());
         let (kept, woken) = (Arc::clone(&notices), Arc::clone(&wake));
         let settings = RosSettings {
             master,
             host: host.clone(),
+            relays: relays.clone(),
             notices: Arc::new(move |notice| {
                 if matches!(notice, RosNotice::Registered { .. }) {
                     kept.forget();

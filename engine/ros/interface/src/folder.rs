@@ -20,11 +20,7 @@ impl Catalogue {
     /// # Errors
     /// The folder cannot be read, has no definitions, or a definition is wrong.
     pub fn add_folder(&mut self, folder: &Path) -> Result<usize, FolderError> {
-        let mut files = Vec::new();
-        find(folder, DEPTH, &mut files)?;
-        if files.is_empty() {
-            return Err(FolderError::Empty(folder.to_owned()));
-        }
+        let files = files_in(folder)?;
         for (name, path) in &files {
             let read = |source| FolderError::Read {
                 path: path.clone(),
@@ -51,7 +47,19 @@ impl Catalogue {
     }
 }
 
-/// Finds the files with definitions, in order of their paths.
+/// Finds the files with definitions in a folder, as [`Catalogue::add_folder`] does, in order of their paths.
+///
+/// # Errors
+/// The folder cannot be read, or has no definitions.
+pub fn files_in(folder: &Path) -> Result<Vec<(InterfaceName, PathBuf)>, FolderError> {
+    let mut files = Vec::new();
+    find(folder, DEPTH, &mut files)?;
+    if files.is_empty() {
+        return Err(FolderError::Empty(folder.to_owned()));
+    }
+    Ok(files)
+}
+
 fn find(
     folder: &Path,
     depth: usize,

@@ -30,6 +30,7 @@ pub use catalogue::Catalogue;
 pub use definition::{Constant, Count, Element, Field, FieldType, Interface, Primitive, Structure};
 pub use distribution::Distribution;
 pub use error::{DefinitionError, DefinitionProblem, FolderError};
+pub use folder::files_in;
 pub use md5::Md5Sum;
 pub use name::{InterfaceKind, InterfaceName, NameError};
 pub use schema::common;

@@ -20,7 +20,14 @@ def receive(message):
 
 
 subscriber = rospy.Subscriber(topic, message_class, receive, tcp_nodelay=True)
-while subscriber.get_num_connections() == 0 and type_name != "Bool":
+
+
+def is_connected():
+    # rospy counts a connection before it opens it, and gives it up for ever if the master is killed before it has
+    return any(getattr(connection, "header", None) for connection in subscriber.impl.connections)
+
+
+while type_name != "Bool" and not is_connected():
     rospy.sleep(0.01)
 print("connected", flush=True)
 for line in sys.stdin:

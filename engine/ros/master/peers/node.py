@@ -16,6 +16,7 @@ Argument: name of the node. Commands, each a list:
     ["reject", action, type]                         an action server that rejects all goals; prints ["goal", action, goal]
     ["send", action, type, goal]                     prints ["feedback", action, feedback] and ["end", action, status, text, result]
     ["cancel", action]                               cancels the goal
+    ["define", type, text]                           makes the classes of a message from its definition, as in a connection header
     ["set", parameter, value], ["get", parameter]    the latter prints ["value", parameter, value]
 Each command is answered with ["done", command].
 """
@@ -26,8 +27,10 @@ import os
 import sys
 import threading
 import time
+import types
 
 import genpy
+import genpy.dynamic
 import roslib.message
 import rospy
 
@@ -67,6 +70,16 @@ def fill(message, value):
 
 def filled(of, value):
     return fill(of.data_class(), value)
+
+
+def define(type_name, text):
+    for name, message_class in genpy.dynamic.generate_dynamic(type_name, text).items():
+        package, short = name.split("/")
+        if package not in sys.modules:
+            sys.modules[package] = types.ModuleType(package)
+            sys.modules[package].msg = sys.modules[package + ".msg"] = types.ModuleType(package + ".msg")
+        if package != "std_msgs":
+            setattr(sys.modules[package + ".msg"], short, message_class)
 
 
 def subscribe(topic, type_name):
@@ -215,8 +228,10 @@ def stream(topic, type_name, value, path, first, rate):
 
 
 def await_connections(topic, number):
-    of = publishers.get(topic) or subscribers[topic]
-    while of.get_num_connections() < number:
+    # rospy counts connections of a subscriber before it opens them
+    of = publishers.get(topic)
+    subscribed = lambda: sum(connection.header is not None for connection in subscribers[topic].impl.connections)
+    while (of.get_num_connections() if of else subscribed()) < number:
         rospy.sleep(0.01)
 
 
@@ -238,6 +253,7 @@ commands = {
     "reject": reject_goals,
     "send": send,
     "cancel": lambda action: goals[action].cancel(),
+    "define": define,
     "set": rospy.set_param,
     "get": lambda name: say(["value", name, rospy.get_param(name, None)]),
 }

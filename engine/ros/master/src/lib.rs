@@ -83,6 +83,7 @@ impl Process {
     ///
     /// # Panics
     /// There is none soon.
+    #[track_caller]
     pub fn line(&self) -> String {
         self.lines.recv_timeout(SOON).expect("a line of the peer")
     }

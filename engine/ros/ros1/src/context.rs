@@ -10,6 +10,7 @@ use crate::error::RosError;
 use crate::http::{self, RosUri};
 use crate::names::RosName;
 use crate::notice::RosNotice;
+use crate::relays::Relays;
 use crate::settings::RosSettings;
 use crate::xmlrpc::XmlRpcValue;
 
@@ -22,6 +23,7 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub(crate) struct Context {
     pub(crate) settings: RosSettings,
     pub(crate) name: RosName,
+    pub(crate) relays: Relays,
     /// Address of the slave API; set before any task runs.
     pub(crate) uri: OnceLock<RosUri>,
     /// Port for topics and services; set before any task runs.
@@ -41,9 +43,11 @@ pub(crate) struct Context {
 impl Context {
     pub(crate) fn new(settings: RosSettings) -> Result<Arc<Self>, RosError> {
         let name = RosName::node(&settings.name)?;
+        let relays = Relays::of(&name, &settings.relays)?;
         Ok(Arc::new(Self {
             settings,
             name,
+            relays,
             uri: OnceLock::new(),
             port: OnceLock::new(),
             changed: Notify::new(),

@@ -33,6 +33,7 @@ mod parameter;
 mod provider;
 mod publication;
 mod registrar;
+mod relays;
 mod server;
 mod settings;
 mod slave;

@@ -16,7 +16,6 @@ use tokio::time::timeout_at;
 use crate::caller::{FAILED, RosServiceClient, UNREADABLE};
 use crate::context::{Context, MasterAnswer, lock};
 use crate::error::RosError;
-use crate::frame::framed;
 use crate::graph::RosGraph;
 use crate::http::RosUri;
 use crate::interface::{ServiceType, TopicType};
@@ -518,8 +517,8 @@ impl RosPublisher {
     /// # Errors
     /// The datum does not follow the type of the topic.
     pub fn publish(&self, message: &Datum) -> Result<(), DatumError> {
-        let bytes = ros1::encode(message, &self.publication.of.schema)?;
-        self.publication.send(framed(&bytes).into());
+        let frame = ros1::encode_frame(message, &self.publication.of.schema)?;
+        self.publication.send(Arc::new(frame));
         Ok(())
     }
 

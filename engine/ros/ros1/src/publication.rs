@@ -51,6 +51,9 @@ pub struct SubscriberCounts {
     pub waiting: usize,
 }
 
+/// A message with its length, which all subscribers share. A slice would be a copy of it.
+pub(crate) type Frame = Arc<Vec<u8>>;
+
 /// A topic that the node publishes.
 pub(crate) struct Publication {
     pub(crate) topic: RosName,
@@ -67,7 +70,7 @@ pub(crate) struct Publication {
 struct Peers {
     all: Vec<Arc<Peer>>,
     /// The last message of a latched topic.
-    last: Option<Arc<[u8]>>,
+    last: Option<Frame>,
     /// Set when the publisher is dropped.
     is_closed: bool,
     /// Counts of those that left.
@@ -91,8 +94,8 @@ struct Peer {
 #[derive(Default)]
 struct Outgoing {
     /// A message of which the socket has not taken all, and the number of bytes that it has taken.
-    begun: Option<(Arc<[u8]>, usize)>,
-    queue: VecDeque<Arc<[u8]>>,
+    begun: Option<(Frame, usize)>,
+    queue: VecDeque<Frame>,
 }
 
 impl Outgoing {
@@ -115,7 +118,7 @@ impl Peer {
     }
 
     /// Writes a message if no other waits and the socket takes it; else appends it, and drops the oldest one if there are too many.
-    fn push(&self, message: Arc<[u8]>, size: usize) {
+    fn push(&self, message: Frame, size: usize) {
         let mut outgoing = lock(&self.outgoing);
         if outgoing.is_empty() {
             outgoing.begun = Some((message, 0));
@@ -198,7 +201,7 @@ impl Publication {
     }
 
     /// Gives a message with its length to all subscribers.
-    pub(crate) fn send(&self, frame: Arc<[u8]>) {
+    pub(crate) fn send(&self, frame: Frame) {
         self.published.fetch_add(1, Ordering::Relaxed);
         let mut peers = lock(&self.peers);
         if peers.all.is_empty() {
@@ -271,6 +274,7 @@ impl Publication {
             .with("message_definition", Arc::clone(&self.of.definition))
             .with("latching", if self.is_latched { "1" } else { "0" })
             .with("tcp_nodelay", "1");
+        let accepted = context.relays.announce(&self.topic, accepted);
         // messages are written whole, so waiting for more gains nothing
         let _ = stream.set_nodelay(true);
         let (limit, accepted) = (context.settings.timing.connect, accepted.encode());

@@ -17,6 +17,9 @@ pub struct RosSettings {
     /// Host or IP address at which others reach this node (`ROS_IP`, `ROS_HOSTNAME`). If it is a loopback address, the node
     /// listens only there, otherwise at all addresses of the machine.
     pub host: String,
+    /// Topics whose messages the owner of this node publishes on other topics of it, with those topics. They are announced to
+    /// subscribers; what another node publishes that relays in the other direction is not received, because it would go round.
+    pub relays: Vec<(String, String)>,
     /// Times.
     pub timing: RosTiming,
     /// Limits on what others can make this node hold.
@@ -95,6 +98,7 @@ impl RosSettings {
             name: name.into(),
             master: RosUri::new("localhost", 11311),
             host: "127.0.0.1".to_owned(),
+            relays: Vec::new(),
             timing: RosTiming::default(),
             limits: RosLimits::default(),
             notices: Arc::new(|_| ()),

@@ -212,6 +212,9 @@ impl TopicSubscription {
         is_up: &AtomicBool,
     ) -> Result<(), Broken> {
         let (mut stream, header) = self.connect(context, uri).await?;
+        if let Some(reason) = context.relays.circle(&self.topic, &header) {
+            return Err(Broken::Reason(reason));
+        }
         let source: Arc<str> = header.get("callerid").unwrap_or("(unnamed)").into();
         let of = match &self.of {
             Some(of) => of.clone(),

@@ -32,6 +32,10 @@ fn all_registrations_are_made_again_when_the_master_restarts() {
     node.registered();
     let listener = master.peer("listener", &["before", "/said", "std_msgs", "String", "0"]);
     assert_eq!(listener.line(), "connected");
+    // its last call to the master is over when it has a header, and the publisher knows it after that
+    eventually("the publisher has the listener", || {
+        (publisher.counts().subscribers.len() == 1).then_some(())
+    });
     assert!(followed.next_within(SOON).is_some());
 
     for round in 0..3 {

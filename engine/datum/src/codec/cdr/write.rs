@@ -18,10 +18,14 @@ pub(crate) fn write_whole(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, Dat
     Ok(writer.bytes)
 }
 
-/// Encodes a datum as a message of ROS 1, without the length that precedes it on a connection.
-pub(crate) fn write_ros1(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
+/// Encodes a datum as a message of ROS 1, after bytes that precede it.
+pub(crate) fn write_ros1(
+    datum: &Datum,
+    schema: &Schema,
+    before: Vec<u8>,
+) -> Result<Vec<u8>, DatumError> {
     let mut writer = SchemaWriter {
-        bytes: Vec::new(),
+        bytes: before,
         format: Format::Ros1,
     };
     writer.one(datum, schema, DEPTH)?;
@@ -141,7 +145,7 @@ impl SchemaWriter {
             if !numbers.is_empty() {
                 self.align(numbers.size());
             }
-            self.bytes.extend(numbers.to_bytes());
+            numbers.append_to(&mut self.bytes);
             return Ok(());
         }
         (0..count).try_for_each(|index| match run.element(index) {
