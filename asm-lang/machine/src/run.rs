@@ -32,6 +32,8 @@ pub fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
 pub(crate) struct CodomainCheck {
     function: FunctionId,
     within: Option<DomainId>,
+    /// `true` if parts of the value must be checked for membership in concrete domains.
+    parts: bool,
     /// `true` if arguments must be checked for membership in concrete domains.
     narrow: bool,
     open: bool,
@@ -43,6 +45,7 @@ impl CodomainCheck {
         Self {
             function,
             within: declared.within,
+            parts: declared.within.is_none() && declared.restricted && !program.compatible,
             narrow: declared.narrow && !program.compatible,
             open: declared.open,
         }
@@ -462,6 +465,11 @@ impl StepContext<'_> {
                 part: value.clone(),
                 domain,
             };
+            return Err(self.stop(FaultKind::Outside { slot, misfit }, origin));
+        }
+        if codomain.parts
+            && let Some(misfit) = self.misfit(codomain.function, value)
+        {
             return Err(self.stop(FaultKind::Outside { slot, misfit }, origin));
         }
         if codomain.narrow {
