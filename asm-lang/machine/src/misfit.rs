@@ -33,6 +33,17 @@ impl DomainMisfit {
         Self::of(program, function, &declared.codomain, value, is_element)
     }
 
+    /// A value that is not an element of the domain, which is the codomain of a function.
+    #[cold]
+    pub(crate) fn whole(function: FunctionId, value: &Value, domain: DomainId) -> Self {
+        Self {
+            function,
+            value: value.clone(),
+            part: value.clone(),
+            domain,
+        }
+    }
+
     pub(crate) fn of(
         program: &Program,
         function: FunctionId,

@@ -168,13 +168,14 @@ signature:
   controlled n: Integer
   controlled x: Integer
   controlled y: Integer
+  controlled z: Integer
 definitions:
   domain Few = {1 : 2}
   main rule r_Main = par
     n := n + 1
-    if n = 0 then x := kept(1) + kept(2) + few(1) endif
+    if n = 0 then x := kept(1) + kept(2) + kept(3) + few(1) endif
     if n = 1 then par kept(1) := 100 few(1) := 100 endpar endif
-    if n = 2 then par x := copy(1) y := fewCopy(1) endpar endif
+    if n = 2 then par x := copy(1) y := fewCopy(1) z := copy(3) endpar endif
   endpar
 default init s0:
   function n = 0
@@ -187,25 +188,31 @@ default init s0:
     struct First(bool);
     impl Environment for First {
         fn read(&mut self, _: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
-            let one = arguments.first() == Some(&Value::Int(1));
-            Ok(self.0.then_some(Value::Int(if one { 3 } else { 5 })))
+            let two = arguments.first() == Some(&Value::Int(2));
+            Ok(self.0.then_some(Value::Int(if two { 5 } else { 3 })))
         }
     }
     let step = |machine: &mut Machine| {
-        let mut inputs = First(machine.steps() == 0);
+        let is_first = machine.value_at(specification.function("n", 0).unwrap(), &[]);
+        let mut inputs = First(is_first == Value::Int(0));
         machine
             .step(&mut inputs, &mut FirstChoice, 0)
             .unwrap_or_else(|fault| panic!("{fault:?}"));
         asmotion_lang::simulate::state(machine)
     };
-    for restored_after in 0..=3 {
+    // restored from a snapshot, from a packed state, or not at all
+    for (restored_after, is_packed) in [(1, false), (1, true), (2, false), (2, true), (3, false)] {
         let mut machine = specification.machine().unwrap();
         let mut state = Vec::new();
         for number in 1..=3 {
             if number > restored_after {
                 let snapshot = machine.snapshot();
                 machine = specification.machine().unwrap();
-                machine.restore(&snapshot).unwrap();
+                if is_packed {
+                    machine.restore_state(snapshot.state().as_bytes()).unwrap();
+                } else {
+                    machine.restore(&snapshot).unwrap();
+                }
             }
             state = step(&mut machine);
         }
@@ -213,8 +220,8 @@ default init s0:
             let found = state.iter().find(|(location, _)| location == name);
             found.map(|(_, value)| value.as_str())
         };
-        assert_eq!(value("x"), Some("3"), "restored after {restored_after}: {state:?}");
-        assert_eq!(value("y"), Some("3"), "restored after {restored_after}: {state:?}");
+        let found = ["x", "y", "z"].map(value);
+        assert_eq!(found, [Some("3"); 3], "restored after {restored_after}: {state:?}");
     }
 }
 

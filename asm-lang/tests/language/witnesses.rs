@@ -105,6 +105,27 @@ fn are_there_for_every_kind_of_failed_step() {
 }
 
 #[test]
+fn of_an_initial_value_repeat_its_inputs() {
+    let text = "asm witnesses
+import StandardLibrary
+signature:
+  monitored m: Integer
+  monitored small: Integer
+  controlled x: Integer
+definitions:
+  main rule r_Main = x := x + 1
+default init s0:
+  function x = 5 mod m
+";
+    let (machine, fault) = fail(text, Some(0), 1);
+    assert_eq!(fault.step, 0);
+    assert!(matches!(fault.kind, FaultKind::Library(_)), "{fault:?}");
+    let witness = machine.witness(&fault).unwrap();
+    let mut reads = witness.path.iter().flat_map(|entry| entry.reads.values());
+    assert!(reads.any(|value| *value == Value::Int(0)), "{witness:?}");
+}
+
+#[test]
 fn of_the_initial_state_repeat_its_inputs() {
     let text = "asm witnesses
 import StandardLibrary
