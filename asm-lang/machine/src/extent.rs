@@ -44,7 +44,9 @@ impl StepContext<'_> {
         if let ValueShape::Set(item) = shape {
             let items = self.extent(item)?;
             within(count_subsets(items.len()), MAX_ELEMENTS)?;
-            return Ok(each_subset(&items, &mut Vec::new(), &mut |set| visit(self, set)));
+            return Ok(each_subset(&items, &mut Vec::new(), &mut |set| {
+                visit(self, set)
+            }));
         }
         let mut all = self.extent(shape)?.into_iter();
         Ok(all.try_for_each(|value| visit(self, value)))
@@ -89,11 +91,7 @@ fn elements(
 }
 
 /// Returns all values of a shape, in ascending order.
-fn values(
-    shape: &ValueShape,
-    limit: u64,
-    domain: ListDomain<'_>,
-) -> Result<Vec<Value>, FaultKind> {
+fn values(shape: &ValueShape, limit: u64, domain: ListDomain<'_>) -> Result<Vec<Value>, FaultKind> {
     match shape {
         ValueShape::Bool => Ok(vec![Value::Bool(false), Value::Bool(true)]),
         ValueShape::Domain(id) => Ok(domain(*id)?.to_vec()),
@@ -101,7 +99,10 @@ fn values(
             let mut tuples: Vec<Vec<Value>> = vec![Vec::new()];
             for item in items {
                 let items = values(item, limit, domain)?;
-                within((tuples.len() as u64).saturating_mul(items.len() as u64), limit)?;
+                within(
+                    (tuples.len() as u64).saturating_mul(items.len() as u64),
+                    limit,
+                )?;
                 let longer = |tuple: &Vec<Value>, value: &Value| {
                     let mut tuple = tuple.clone();
                     tuple.push(value.clone());

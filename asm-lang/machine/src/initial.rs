@@ -194,9 +194,8 @@ impl Machine {
         let (program, state) = (&*self.program, &self.state);
         let body = program.functions[function.0 as usize].initial?;
         // before the first step, domains that depend on inputs are not known; values that do are undef
-        let is_open = |domain| {
-            !self.is_complete && program.initial_inputs.contains(&Initial::Domain(domain))
-        };
+        let is_open =
+            |domain| !self.is_complete && program.initial_inputs.contains(&Initial::Domain(domain));
         let is_element = |domain: DomainId, value: &Value| {
             is_open(domain) || is_listed(program, &state.initial.extents, domain, value)
         };

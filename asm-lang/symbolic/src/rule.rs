@@ -249,7 +249,9 @@ impl<'a> Evaluator<'a> {
         if let Some(domain) = declared.within {
             return !value.is_undef() && !self.is_element(domain, value);
         }
-        declared.restricted && !self.program.compatible && self.has_outsider(&declared.codomain, value)
+        declared.restricted
+            && !self.program.compatible
+            && self.has_outsider(&declared.codomain, value)
     }
 
     /// Returns `true` if a part of a value is outside its domain. A domain without a definition imposes no restriction.

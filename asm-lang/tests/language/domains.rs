@@ -15,10 +15,28 @@ const CASES: [(&str, &str, &str, &str, &str); 16] = [
     ("Powerset(Few)", "{3, 5}", "{3, 4}", "4", "Few"),
     ("Prod(Few, String)", "(3, \"a\")", "(4, \"a\")", "4", "Few"),
     ("Prod(Integer, Few)", "(4, 3)", "(4, 6)", "6", "Few"),
-    ("Map(Few, Integer)", "{3 -> 4}", "{3 -> 4, 4 -> 3}", "4", "Few"),
-    ("Map(Integer, Few)", "{4 -> 3}", "{4 -> 3, 5 -> 4}", "4", "Few"),
+    (
+        "Map(Few, Integer)",
+        "{3 -> 4}",
+        "{3 -> 4, 4 -> 3}",
+        "4",
+        "Few",
+    ),
+    (
+        "Map(Integer, Few)",
+        "{4 -> 3}",
+        "{4 -> 3, 5 -> 4}",
+        "4",
+        "Few",
+    ),
     ("Seq(Small)", "[1, 3]", "[1, 4]", "4", "Small"),
-    ("Seq(Powerset(Small))", "[{}, {1}]", "[{}, {1, 0}]", "0", "Small"),
+    (
+        "Seq(Powerset(Small))",
+        "[{}, {1}]",
+        "[{}, {1, 0}]",
+        "0",
+        "Small",
+    ),
     (
         "Map(Integer, Seq(Prod(Few, Small)))",
         "{9 -> [(3, 1)]}",
@@ -26,11 +44,29 @@ const CASES: [(&str, &str, &str, &str, &str); 16] = [
         "4",
         "Small",
     ),
-    ("Bag(Bag(Few))", "<<3>, <3, 5>>", "<<3>, <3, 4>>", "4", "Few"),
+    (
+        "Bag(Bag(Few))",
+        "<<3>, <3, 5>>",
+        "<<3>, <3, 4>>",
+        "4",
+        "Few",
+    ),
     ("Seq(Warm)", "[RED]", "[RED, BLUE]", "BLUE", "Warm"),
     ("Seq(Box)", "[b]", "[b, item]", "item", "Box"),
-    ("Seq(Pair)", "[(1, 2)]", "[(1, 2), (2, 1)]", "(2, 1)", "Pair"),
-    ("Seq(Name)", "[\"ann\"]", "[\"ann\", \"eve\"]", "\"eve\"", "Name"),
+    (
+        "Seq(Pair)",
+        "[(1, 2)]",
+        "[(1, 2), (2, 1)]",
+        "(2, 1)",
+        "Pair",
+    ),
+    (
+        "Seq(Name)",
+        "[\"ann\"]",
+        "[\"ann\", \"eve\"]",
+        "\"eve\"",
+        "Name",
+    ),
 ];
 
 fn text(codomain: &str, rule: &str) -> String {
@@ -110,20 +146,28 @@ fn an_update_with_a_part_outside_its_domain_is_a_fault() {
                 crate::open("parts", &text)
             };
             let Ok(specification) = with(good) else {
-                panic!("{codomain}: {update} with {good}: {}", with(good).err().unwrap());
+                panic!(
+                    "{codomain}: {update} with {good}: {}",
+                    with(good).err().unwrap()
+                );
             };
             for back_end in [BackEnd::Closures, BackEnd::Native] {
                 let done = step(&specification, back_end);
                 assert!(done.is_ok(), "{codomain}: {update} {good}: {done:?}");
             }
             let specification = with(bad);
-            let specification = specification.unwrap_or_else(|failure| panic!("{update} {bad}: {failure}"));
+            let specification =
+                specification.unwrap_or_else(|failure| panic!("{update} {bad}: {failure}"));
             let machine = specification.machine().unwrap();
             for back_end in [BackEnd::Closures, BackEnd::Native] {
                 let kind = step(&specification, back_end).unwrap_err();
                 assert!(matches!(kind, FaultKind::Outside { .. }), "{kind:?}");
                 let expected = (part.to_owned(), of.to_owned());
-                assert_eq!(misfit(&kind, &machine), expected, "{codomain}: {update} {bad}");
+                assert_eq!(
+                    misfit(&kind, &machine),
+                    expected,
+                    "{codomain}: {update} {bad}"
+                );
             }
         }
     }
@@ -195,7 +239,10 @@ definitions:
   main rule r_Main = x := [(4, VALUE)]
 ";
     for (value, is_ok) in [("3", true), ("4", false)] {
-        let done = step(&opened("parts", &any.replace("VALUE", value)), BackEnd::Closures);
+        let done = step(
+            &opened("parts", &any.replace("VALUE", value)),
+            BackEnd::Closures,
+        );
         assert_eq!(done.is_ok(), is_ok, "{value}: {done:?}");
     }
 }

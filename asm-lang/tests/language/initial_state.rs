@@ -75,10 +75,12 @@ struct Given(i64);
 
 impl Environment for Given {
     fn read(&mut self, _: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
-        let number = arguments.iter().fold(self.0, |sum, argument| match argument {
-            Value::Int(number) => sum + number,
-            other => panic!("{other:?}"),
-        });
+        let number = arguments
+            .iter()
+            .fold(self.0, |sum, argument| match argument {
+                Value::Int(number) => sum + number,
+                other => panic!("{other:?}"),
+            });
         Ok(Some(Value::Int(number)))
     }
 }
@@ -113,11 +115,29 @@ fn a_value_outside_its_domain_is_found_once_it_is_known() {
     // signature, rule, initial values; misfits before and after a step with the input 5
     type Found = Vec<(Vec<Value>, Value)>;
     let cases: [(&str, &str, &str, Found, Found); 11] = [
-        ("controlled x: Small", "skip", "function x = 3", vec![], vec![]),
-        ("controlled x: Small", "skip", "function x = 4", part(4), part(4)),
+        (
+            "controlled x: Small",
+            "skip",
+            "function x = 3",
+            vec![],
+            vec![],
+        ),
+        (
+            "controlled x: Small",
+            "skip",
+            "function x = 4",
+            part(4),
+            part(4),
+        ),
         ("controlled x: Small", "skip", "", vec![], vec![]),
         // a later value is no initial value
-        ("controlled x: Small", "x := 1", "function x = 4", part(4), part(4)),
+        (
+            "controlled x: Small",
+            "x := 1",
+            "function x = 4",
+            part(4),
+            part(4),
+        ),
         // of a function, the first location
         (
             "controlled f: Small -> Small",
@@ -126,7 +146,13 @@ fn a_value_outside_its_domain_is_found_once_it_is_known() {
             at(2, 4),
             at(2, 4),
         ),
-        ("controlled x: Bag(Small)", "skip", "function x = <1, 7, 7>", part(7), part(7)),
+        (
+            "controlled x: Bag(Small)",
+            "skip",
+            "function x = <1, 7, 7>",
+            part(7),
+            part(7),
+        ),
         (
             "controlled x: Map(Small, Prod(Integer, Small))",
             "skip",
@@ -135,9 +161,27 @@ fn a_value_outside_its_domain_is_found_once_it_is_known() {
             part(8),
         ),
         // before the first step, the input is not known
-        ("controlled x: Small", "skip", "function x = m", vec![], part(5)),
-        ("controlled x: Upto", "skip", "function x = 5", vec![], vec![]),
-        ("controlled x: Upto", "skip", "function x = 6", vec![], part(6)),
+        (
+            "controlled x: Small",
+            "skip",
+            "function x = m",
+            vec![],
+            part(5),
+        ),
+        (
+            "controlled x: Upto",
+            "skip",
+            "function x = 5",
+            vec![],
+            vec![],
+        ),
+        (
+            "controlled x: Upto",
+            "skip",
+            "function x = 6",
+            vec![],
+            part(6),
+        ),
         // a location that is first accessed in the step
         (
             "controlled g: Integer -> Small",
@@ -221,7 +265,11 @@ default init s0:
             found.map(|(_, value)| value.as_str())
         };
         let found = ["x", "y", "z"].map(value);
-        assert_eq!(found, [Some("3"); 3], "restored after {restored_after}: {state:?}");
+        assert_eq!(
+            found,
+            [Some("3"); 3],
+            "restored after {restored_after}: {state:?}"
+        );
     }
 }
 

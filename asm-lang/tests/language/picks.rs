@@ -95,9 +95,17 @@ fn cases() -> Vec<(&'static str, Vec<Value>, Vec<Value>)> {
     let pair = |left: Value, right: Value| Value::tuple([left, right]);
     let complex = Value::Complex(Arc::new((Real::new(0.0), Real::new(1.0))));
     vec![
-        ("Boolean", vec![Value::Bool(false), truth.clone()], vec![int(1)]),
+        (
+            "Boolean",
+            vec![Value::Bool(false), truth.clone()],
+            vec![int(1)],
+        ),
         ("Small", ints(&[1, 3]), vec![int(0), int(4), text.clone()]),
-        ("Side", vec![atom(1), atom(2)], vec![atom(0), atom(3), int(1)]),
+        (
+            "Side",
+            vec![atom(1), atom(2)],
+            vec![atom(0), atom(3), int(1)],
+        ),
         ("Odd", ints(&[1, 9]), ints(&[2, 11])),
         ("Item", vec![atom(4)], vec![atom(1), int(4)]),
         (
@@ -111,22 +119,66 @@ fn cases() -> Vec<(&'static str, Vec<Value>, Vec<Value>)> {
                 int(1),
             ],
         ),
-        ("Powerset(Small)", vec![set(&[]), set(&[1, 3])], vec![set(&[1, 4]), seq(&[1])]),
-        ("Seq(Odd)", vec![seq(&[]), seq(&[3, 3])], vec![seq(&[3, 4]), set(&[3])]),
-        ("Bag(Odd)", vec![bag(&[]), bag(&[3, 3, 5])], vec![bag(&[3, 4]), seq(&[3])]),
+        (
+            "Powerset(Small)",
+            vec![set(&[]), set(&[1, 3])],
+            vec![set(&[1, 4]), seq(&[1])],
+        ),
+        (
+            "Seq(Odd)",
+            vec![seq(&[]), seq(&[3, 3])],
+            vec![seq(&[3, 4]), set(&[3])],
+        ),
+        (
+            "Bag(Odd)",
+            vec![bag(&[]), bag(&[3, 3, 5])],
+            vec![bag(&[3, 4]), seq(&[3])],
+        ),
         (
             "Map(Small, Odd)",
             vec![map(int(2), int(5))],
             vec![map(int(4), int(5)), map(int(2), int(4)), int(2)],
         ),
-        ("Seq(Boolean)", vec![Value::seq([truth.clone()])], vec![seq(&[1])]),
-        ("Seq(Integer)", vec![seq(&[-1])], vec![Value::seq([text.clone()])]),
-        ("Seq(Natural)", vec![seq(&[0])], vec![seq(&[-1]), Value::seq([text.clone()])]),
-        ("Seq(Real)", vec![Value::seq([Value::real(0.5)])], vec![seq(&[1])]),
-        ("Seq(Char)", vec![Value::seq([Value::Char('a')])], vec![Value::seq([text.clone()])]),
-        ("Seq(String)", vec![Value::seq([text.clone()])], vec![Value::seq([Value::Char('a')])]),
-        ("Seq(Complex)", vec![Value::seq([complex])], vec![Value::seq([Value::real(0.5)])]),
-        ("Seq(Rule)", vec![Value::seq([Value::Rule(RuleId(0))])], vec![seq(&[0])]),
+        (
+            "Seq(Boolean)",
+            vec![Value::seq([truth.clone()])],
+            vec![seq(&[1])],
+        ),
+        (
+            "Seq(Integer)",
+            vec![seq(&[-1])],
+            vec![Value::seq([text.clone()])],
+        ),
+        (
+            "Seq(Natural)",
+            vec![seq(&[0])],
+            vec![seq(&[-1]), Value::seq([text.clone()])],
+        ),
+        (
+            "Seq(Real)",
+            vec![Value::seq([Value::real(0.5)])],
+            vec![seq(&[1])],
+        ),
+        (
+            "Seq(Char)",
+            vec![Value::seq([Value::Char('a')])],
+            vec![Value::seq([text.clone()])],
+        ),
+        (
+            "Seq(String)",
+            vec![Value::seq([text.clone()])],
+            vec![Value::seq([Value::Char('a')])],
+        ),
+        (
+            "Seq(Complex)",
+            vec![Value::seq([complex])],
+            vec![Value::seq([Value::real(0.5)])],
+        ),
+        (
+            "Seq(Rule)",
+            vec![Value::seq([Value::Rule(RuleId(0))])],
+            vec![seq(&[0])],
+        ),
         ("Seq(Any)", vec![Value::seq([int(1), text])], vec![int(1)]),
         (
             "Seq(Prod(Odd, Powerset(Small)))",

@@ -320,7 +320,10 @@ fn the_reply_to_a_cancelled_call_is_dropped_alone() {
         .filter(|(location, _)| location.starts_with("plan") || location.starts_with("stop"))
         .map(|(location, value)| format!("{location} {value}"))
         .collect();
-    let mut numbers: Vec<&str> = replies.iter().filter_map(|it| it.split(' ').next_back()).collect();
+    let mut numbers: Vec<&str> = replies
+        .iter()
+        .filter_map(|it| it.split(' ').next_back())
+        .collect();
     numbers.sort_unstable();
     assert_eq!(numbers, ["2", "3", "4", "5", "6", "7", "8"], "{replies:?}");
     // the client calls again
@@ -332,7 +335,11 @@ fn a_call_that_the_environment_answers_has_ended_alone() {
     /// Answers one call itself, as a replay does.
     struct Replayed(FunctionId, Vec<Value>);
     impl Environment for Replayed {
-        fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        fn read(
+            &mut self,
+            function: FunctionId,
+            arguments: &[Value],
+        ) -> Result<Option<Value>, String> {
             if arguments.is_empty() {
                 return Ok(Some(Value::Int(0)));
             }
@@ -414,7 +421,10 @@ fn numbers_of_messages_do_not_depend_on_those_before() {
         // the sender of the first one can be observed, those of others cannot
         (&[("a", "tell"), ("a", "tell"), ("a", "tell")], &[1]),
         (&[("a", "tell"), ("b", "tell")], &[1, 2]),
-        (&[("a", "tell"), ("b", "tell"), ("a", "tell"), ("a", ASK)], &[1, 2, 4]),
+        (
+            &[("a", "tell"), ("b", "tell"), ("a", "tell"), ("a", ASK)],
+            &[1, 2, 4],
+        ),
         (&[("a", ASK), ("a", ASK), ("b", ASK)], &[1, 2, 3]),
         // the first one is answered, so that the next can be observed then
         (&[("a", ASK), ("a", "tell"), ("a", "tell")], &[1, 2]),

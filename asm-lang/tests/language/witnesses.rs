@@ -82,17 +82,66 @@ fn are_there_for_every_kind_of_failed_step() {
     let cases: [(&str, &str, Option<i64>, i64, Kind<'_>, u64); 10] = [
         (twice, "", Some(2), 1, &clash, 1),
         // after a step without a fault, and after an input that the environment left to the machine
-        ("if x = 5 then par x := m x := 1 endpar else x := 5 endif", "", Some(2), 1, &clash, 2),
-        ("par x := m first := unanswered x := unanswered endpar", "", Some(2), 1, &clash, 1),
+        (
+            "if x = 5 then par x := m x := 1 endpar else x := 5 endif",
+            "",
+            Some(2),
+            1,
+            &clash,
+            2,
+        ),
+        (
+            "par x := m first := unanswered x := unanswered endpar",
+            "",
+            Some(2),
+            1,
+            &clash,
+            1,
+        ),
         ("x := m", "", None, 1, &refused, 1),
-        ("if x = 5 then first := m else x := 5 endif", "", None, 1, &refused, 2),
+        (
+            "if x = 5 then first := m else x := 5 endif",
+            "",
+            None,
+            1,
+            &refused,
+            2,
+        ),
         // only one of two inputs was refused
-        ("par first := unanswered x := m endpar", "", None, 1, &refused, 1),
+        (
+            "par first := unanswered x := m endpar",
+            "",
+            None,
+            1,
+            &refused,
+            1,
+        ),
         ("x := small", "", Some(1), 4, &outside, 1),
-        ("par first := unanswered x := small endpar", "", Some(1), 4, &outside, 1),
+        (
+            "par first := unanswered x := small endpar",
+            "",
+            Some(1),
+            4,
+            &outside,
+            1,
+        ),
         // the step is done, and its new state violates an invariant
-        ("x := 3", "invariant inv_x over x: x != 3", Some(1), 1, &violated, 1),
-        ("if first = 1 then x := 3 else first := 1 endif", "invariant inv_x over x: x != 3", Some(1), 1, &violated, 2),
+        (
+            "x := 3",
+            "invariant inv_x over x: x != 3",
+            Some(1),
+            1,
+            &violated,
+            1,
+        ),
+        (
+            "if first = 1 then x := 3 else first := 1 endif",
+            "invariant inv_x over x: x != 3",
+            Some(1),
+            1,
+            &violated,
+            2,
+        ),
     ];
     for (rule, definitions, m, small, is_kind, step) in cases {
         let (machine, fault) = fail(&program(rule, definitions), m, small);
@@ -142,7 +191,10 @@ default init s0:
 ";
     let (machine, fault) = fail(text, Some(2), 1);
     assert_eq!(fault.step, 0);
-    assert!(matches!(fault.kind, FaultKind::Invariant { .. }), "{fault:?}");
+    assert!(
+        matches!(fault.kind, FaultKind::Invariant { .. }),
+        "{fault:?}"
+    );
     let witness = machine.witness(&fault).unwrap();
     let mut reads = witness.path.iter().flat_map(|entry| entry.reads.values());
     assert!(reads.any(|value| *value == Value::Int(2)), "{witness:?}");

@@ -89,10 +89,14 @@ fn a_cycle_knows_whether_its_component_runs() {
             double: interface.while_stopped(double),
         })
     };
-    system.add("Answering", Activity::periodic(10.ms()), answering).unwrap();
+    system
+        .add("Answering", Activity::periodic(10.ms()), answering)
+        .unwrap();
     let mut run = system.simulate();
     let asked = |run: &mut Simulation| {
-        let sent = run.send::<Double>("Answering.sums", number(7), 1.s()).unwrap();
+        let sent = run
+            .send::<Double>("Answering.sums", number(7), 1.s())
+            .unwrap();
         run.run_for(30.ms());
         run.collect(sent).unwrap().n
     };
@@ -128,7 +132,14 @@ fn choices_set_by_a_component_are_declared_and_checked() {
     let mut interface = Interface::new();
     declare(&mut interface);
     assert_eq!(interface.problems(), []);
-    let choices = |name: &str| interface.declaration().property(name).unwrap().choices.clone();
+    let choices = |name: &str| {
+        interface
+            .declaration()
+            .property(name)
+            .unwrap()
+            .choices
+            .clone()
+    };
     assert_eq!(choices("gear"), ["low".into(), "high".into()]);
     assert_eq!(choices("speed"), []);
     // a default that is not among them
@@ -207,7 +218,9 @@ fn properties_as_of_the_last_refresh_are_frozen_and_read_again_after_thawing() {
             })
         });
         let five = 5_i64.into();
-        system.set_property(stepping.unwrap(), "step", &five).unwrap();
+        system
+            .set_property(stepping.unwrap(), "step", &five)
+            .unwrap();
         system.simulate()
     };
     let seen = |log: &Log| {

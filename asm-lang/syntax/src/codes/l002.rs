@@ -35,7 +35,8 @@ impl Finding for ForeignLetters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let diagnostic = diagnostic.label(self.at, "invalid name");
         if self.word.is_ascii() {
-            return diagnostic.help("`$` is the first character of a variable; no name contains it");
+            return diagnostic
+                .help("`$` is the first character of a variable; no name contains it");
         }
         diagnostic.help("use the letters `a` to `z` and `A` to `Z`, digits and `_`")
     }
