@@ -75,13 +75,9 @@ struct Given(i64);
 
 impl Environment for Given {
     fn read(&mut self, _: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
-        let number = arguments
-            .iter()
-            .fold(self.0, |sum, argument| match argument {
-                Value::Int(number) => sum + number,
-                other => panic!("{other:?}"),
-            });
-        Ok(Some(Value::Int(number)))
+        // only `m`, without arguments, is an input
+        assert_eq!(arguments, []);
+        Ok(Some(Value::Int(self.0)))
     }
 }
 

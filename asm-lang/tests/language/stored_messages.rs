@@ -415,7 +415,8 @@ fn numbers_of_messages_do_not_depend_on_those_before() {
     let specification = opened("two_receivers", TWO_RECEIVERS);
     let is_answered = |operation: &str| operation == "ask";
     // received messages, and those that are left
-    let cases: [(&[(&str, &str)], &[u64]); 7] = [
+    type Case<'a> = (&'a [(&'a str, &'a str)], &'a [u64]);
+    let cases: [Case<'_>; 7] = [
         (&[], &[]),
         (&[("a", "tell")], &[1]),
         // the sender of the first one can be observed, those of others cannot

@@ -79,7 +79,8 @@ fn are_there_for_every_kind_of_failed_step() {
     let outside = |kind: &FaultKind| matches!(kind, FaultKind::OutsideInput { .. });
     type Kind<'a> = &'a dyn Fn(&FaultKind) -> bool;
     // rule, definitions, input `m`, input `small`, kind of the fault, number of the failed step
-    let cases: [(&str, &str, Option<i64>, i64, Kind<'_>, u64); 10] = [
+    type Case<'a> = (&'a str, &'a str, Option<i64>, i64, Kind<'a>, u64);
+    let cases: [Case<'_>; 10] = [
         (twice, "", Some(2), 1, &clash, 1),
         // after a step without a fault, and after an input that the environment left to the machine
         (
