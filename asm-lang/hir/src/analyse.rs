@@ -2,9 +2,11 @@
 
 use crate::added::merged_scope;
 use crate::codes::a001::UnknownFunction;
+use crate::codes::a002::UnknownVariable;
 use crate::codes::a003::UnknownRule;
 use crate::codes::a004::UnknownDomain;
 use crate::codes::a005::UnknownConstant;
+use crate::codes::a006::NoOverload;
 use crate::codes::a008::WrongArity;
 use crate::codes::a009::DuplicateDeclaration;
 use crate::codes::a020::DefinesUndeclared;
@@ -30,7 +32,7 @@ use crate::options::ReadOptions;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use asmotion_diagnostics::{
-    Code, Diagnostic, Finding, Report, Sources, Span, did_you_mean, similar,
+    Code, Diagnostic, FileId, Finding, Fix, Label, Report, Sources, Span, did_you_mean, similar,
 };
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
@@ -78,7 +80,7 @@ pub fn analyse_with(
     for failed in &analysis.declared.failed_imports {
         failed.note(&mut loaded.report.diagnostics);
     }
-    let report = without_unread(report, loaded, sources);
+    let report = each_name_once(without_unread(report, loaded, sources));
     if report.has_errors() || loaded.report.has_errors() {
         return (None, report);
     }
@@ -639,6 +641,14 @@ const UNKNOWN: &[&Code] = &[
     DefinesUndeclared::CODE,
 ];
 
+/// Codes of findings about an undeclared name at a place of its use.
+const NAMES: &[&Code] = &[
+    UnknownFunction::CODE,
+    UnknownRule::CODE,
+    UnknownDomain::CODE,
+    UnknownConstant::CODE,
+];
+
 /// Removes findings that may only follow from unreadable parts of the texts: a name that occurs in
 /// such a part could be declared there, and a term before `=` at its beginning is probably the location of an
 /// update, as in `n = 1`.
@@ -652,11 +662,76 @@ fn without_unread(mut report: Report, loaded: &LoadedFiles, sources: &Sources) -
         let at = finding.primary.as_ref().map(|label| label.span);
         let name = at.map_or("", |at| sources.snippet(at));
         let is_updated = || at.is_some_and(|at| is_before_equals(at, loaded, sources));
+        // the lexer has reported a name such as `x$y`
+        let is_invalid = (finding.is_any(NAMES) || finding.is_any(&[UnknownVariable::CODE]))
+            && name.get(1..).is_some_and(|rest| rest.contains('$'));
         let may_be_declared = finding.is_any(UNKNOWN) && words.contains(name);
         let may_be_updated = finding.is_any(&[NotARule::CODE]) && is_updated();
-        !may_be_declared && !may_be_updated
+        let mut labels = finding.secondary.iter();
+        let is_misread = finding.is_any(&[NoOverload::CODE, WrongArity::CODE])
+            && labels.any(|label| is_cut_off(label.span, loaded, sources));
+        !may_be_declared && !may_be_updated && !is_invalid && !is_misread
     });
     report
+}
+
+/// Number of further places of an unknown name that are shown.
+const SHOWN_PLACES: usize = 3;
+
+/// Merges the findings about one undeclared name in a file: the first one shows the other places.
+fn each_name_once(mut report: Report) -> Report {
+    let place = |finding: &Diagnostic| finding.primary.as_ref().map(|label| label.span);
+    report.diagnostics.sort_by_key(place);
+    let mut first: BTreeMap<(&str, String, FileId), usize> = BTreeMap::new();
+    let mut merged: Vec<(Diagnostic, usize)> = Vec::new();
+    for finding in report.diagnostics {
+        if let Some(at) = place(&finding).filter(|_| finding.is_any(NAMES)) {
+            let name = (finding.code.name, finding.message.clone(), at.file);
+            let known = *first.entry(name).or_insert(merged.len());
+            if let Some((known, others)) = merged.get_mut(known) {
+                if place(known) != Some(at) {
+                    *others += 1;
+                    add_place(known, *others, at, finding.fix);
+                }
+                continue;
+            }
+        }
+        merged.push((finding, 0));
+    }
+    let noted = merged.into_iter().map(|(finding, others)| match others {
+        0..=SHOWN_PLACES => finding,
+        _ => finding.note(format!("used at {others} further places")),
+    });
+    noted.collect()
+}
+
+/// Adds a further place of a name to the finding about it, and its edits to those of the finding.
+fn add_place(finding: &mut Diagnostic, number: usize, at: Span, fix: Option<Fix>) {
+    if number <= SHOWN_PLACES {
+        finding.secondary.push(Label {
+            span: at,
+            text: "also here".to_owned(),
+        });
+    }
+    if let (Some(known), Some(fix)) = (&mut finding.fix, fix)
+        && known.title == fix.title
+    {
+        known.edits.extend(fix.edits);
+    }
+}
+
+/// Returns whether an unreadable part follows the name of a declaration on its line, so that its domain is not known.
+fn is_cut_off(name: Span, loaded: &LoadedFiles, sources: &Sources) -> bool {
+    let unread = loaded.units.iter().flat_map(|unit| &unit.tree.unread);
+    let mut behind = unread.filter(|it| it.file == name.file && it.start >= name.end);
+    behind.any(|it| {
+        let between = Span {
+            start: name.end,
+            end: it.start,
+            ..name
+        };
+        !sources.snippet(between).contains('\n')
+    })
 }
 
 /// Returns whether an unreadable part that begins with `=` follows the span, after blanks at most.

@@ -169,7 +169,7 @@ pub struct Function {
     /// Domain that updates check the value against; `None` if every value of the shape is
     /// permitted.
     pub within: Option<DomainId>,
-    /// `true` if a component of the value must be an element of a concrete domain.
+    /// `true` if a component of the value must be an element of a concrete domain, and that domain has a definition.
     pub restricted: bool,
     /// `true` if a component of an argument must be an element of a concrete domain that does not
     /// grow.

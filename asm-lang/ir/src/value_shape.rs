@@ -1,6 +1,7 @@
 //! Shapes: the structure of values, without the names of their types.
 
 use crate::id::DomainId;
+use asmotion_value::Value;
 
 /// The structure of a type's values, as needed to read inputs and to enumerate domains.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +61,40 @@ impl ValueShape {
             Self::Set(item) => format!("Powerset({})", inner(item)),
             Self::Bag(item) => format!("Bag({})", inner(item)),
             Self::Map(key, content) => format!("Map({}, {})", inner(key), inner(content)),
+        }
+    }
+
+    /// Returns the first part of a value that is not an element of its domain, with that domain: the value itself, or a value
+    /// within a tuple or collection. `undef` belongs to every domain.
+    pub fn outsider<'v>(
+        &self,
+        value: &'v Value,
+        is_element: &dyn Fn(DomainId, &Value) -> bool,
+    ) -> Option<(DomainId, &'v Value)> {
+        let part = |shape: &Self, item: &'v Value| shape.outsider(item, is_element);
+        match (self, value) {
+            (_, Value::Undef) => None,
+            (Self::Domain(domain), value) => {
+                (!is_element(*domain, value)).then_some((*domain, value))
+            }
+            (Self::Tuple(shapes), Value::Tuple(items)) => {
+                let mut pairs = shapes.iter().zip(items.iter());
+                pairs.find_map(|(shape, item)| part(shape, item))
+            }
+            (Self::Seq(shape), Value::Seq(items)) => {
+                items.iter().find_map(|item| part(shape, item))
+            }
+            (Self::Set(shape), Value::Set(items)) => {
+                items.iter().find_map(|item| part(shape, item))
+            }
+            (Self::Bag(shape), Value::Bag(items)) => {
+                items.keys().find_map(|item| part(shape, item))
+            }
+            (Self::Map(keys, values), Value::Map(pairs)) => pairs
+                .iter()
+                .find_map(|(key, value)| part(keys, key).or_else(|| part(values, value))),
+            // values of other kinds are distinguished by static types
+            _ => None,
         }
     }
 }

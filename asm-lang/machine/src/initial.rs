@@ -193,14 +193,11 @@ impl Machine {
     fn initial_misfit(&self, slot: Slot, function: FunctionId) -> Option<InitialMisfit> {
         let (program, state) = (&*self.program, &self.state);
         let body = program.functions[function.0 as usize].initial?;
-        // values that depend on inputs are not known before the first step
-        let is_open = |initial| !self.is_complete && program.initial_inputs.contains(&initial);
-        if is_open(Initial::Function(function)) || !state.locations.is_materialised(slot) {
-            return None;
-        }
+        // before the first step, domains that depend on inputs are not known; values that do are undef
+        let is_open =
+            |domain| !self.is_complete && program.initial_inputs.contains(&Initial::Domain(domain));
         let is_element = |domain: DomainId, value: &Value| {
-            is_open(Initial::Domain(domain))
-                || is_listed(program, &state.initial.extents, domain, value)
+            is_open(domain) || is_listed(program, &state.initial.extents, domain, value)
         };
         let value = state.get_initial(slot);
         let misfit = DomainMisfit::of_value(program, function, value, &is_element)?;

@@ -14,7 +14,6 @@ mod choose;
 mod compile;
 mod direct;
 mod direct_evaluation;
-mod elements;
 mod environment;
 mod extent;
 mod fault;

@@ -14,6 +14,14 @@ impl StepContext<'_> {
         })
     }
 
+    /// Returns the first part of a value that is outside its domain in the codomain of a function.
+    pub fn misfit_of_parts(&self, function: FunctionId, value: &Value) -> Option<DomainMisfit> {
+        let codomain = &self.program.functions[function.0 as usize].codomain;
+        DomainMisfit::of(self.program, function, codomain, value, &|domain, value| {
+            self.is_element(domain, value)
+        })
+    }
+
     /// Returns the part of a location's arguments, which are on the stack, that is outside the
     /// function's domain, if any.
     pub fn misplaced(&self, function: FunctionId, arguments: usize) -> Option<DomainMisfit> {

@@ -33,6 +33,17 @@ impl DomainMisfit {
         Self::of(program, function, &declared.codomain, value, is_element)
     }
 
+    /// A value that is not an element of the domain, which is the codomain of a function.
+    #[cold]
+    pub(crate) fn whole(function: FunctionId, value: &Value, domain: DomainId) -> Self {
+        Self {
+            function,
+            value: value.clone(),
+            part: value.clone(),
+            domain,
+        }
+    }
+
     pub(crate) fn of(
         program: &Program,
         function: FunctionId,
@@ -45,46 +56,13 @@ impl DomainMisfit {
             let elements = &program.domains[domain.0 as usize].elements;
             *elements == DomainElements::Undefined || is_element(domain, value)
         };
-        let (domain, part) = outsider(shape, value, &is_element)?;
+        let (domain, part) = shape.outsider(value, &is_element)?;
         Some(Self {
             function,
             value: value.clone(),
             part: part.clone(),
             domain,
         })
-    }
-}
-
-/// Returns the first part of a value that is outside the domain of its shape.
-fn outsider<'v>(
-    shape: &ValueShape,
-    value: &'v Value,
-    is_element: &dyn Fn(DomainId, &Value) -> bool,
-) -> Option<(DomainId, &'v Value)> {
-    let part = |shape: &ValueShape, item: &'v Value| outsider(shape, item, is_element);
-    match (shape, value) {
-        (_, Value::Undef) => None,
-        (ValueShape::Domain(domain), value) => {
-            (!is_element(*domain, value)).then_some((*domain, value))
-        }
-        (ValueShape::Tuple(shapes), Value::Tuple(items)) => {
-            let mut pairs = shapes.iter().zip(items.iter());
-            pairs.find_map(|(shape, item)| part(shape, item))
-        }
-        (ValueShape::Seq(shape), Value::Seq(items)) => {
-            items.iter().find_map(|item| part(shape, item))
-        }
-        (ValueShape::Set(shape), Value::Set(items)) => {
-            items.iter().find_map(|item| part(shape, item))
-        }
-        (ValueShape::Bag(shape), Value::Bag(items)) => {
-            items.keys().find_map(|item| part(shape, item))
-        }
-        (ValueShape::Map(keys, values), Value::Map(pairs)) => pairs
-            .iter()
-            .find_map(|(key, value)| part(keys, key).or_else(|| part(values, value))),
-        // values of other kinds are distinguished by static types
-        _ => None,
     }
 }
 

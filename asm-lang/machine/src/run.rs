@@ -15,7 +15,7 @@ use crate::state::{MachineState, dense};
 use crate::updates::{Layer, Updates, WritableState};
 use crate::witness_notes::WitnessNotes;
 use asmotion_ir::{
-    BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot,
+    BodyId, DomainId, Function, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot,
 };
 use asmotion_value::Value;
 
@@ -27,11 +27,33 @@ pub fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
     stacker::maybe_grow(FRAME, 4 * FRAME, work)
 }
 
+/// The values that a function's codomain admits.
+#[derive(Clone, Copy)]
+enum Restriction {
+    /// All values of its shape.
+    None,
+    /// The elements of a domain.
+    Domain(DomainId),
+    /// Those of which certain parts are elements of domains.
+    Parts,
+}
+
+impl Restriction {
+    fn of(program: &Program, declared: &Function) -> Self {
+        match declared.within {
+            Some(domain) => Self::Domain(domain),
+            // the reference checks no parts
+            None if declared.restricted && !program.compatible => Self::Parts,
+            None => Self::None,
+        }
+    }
+}
+
 /// The checks for updates of a function's locations.
 #[derive(Clone, Copy)]
 pub(crate) struct CodomainCheck {
     function: FunctionId,
-    within: Option<DomainId>,
+    restriction: Restriction,
     /// `true` if arguments must be checked for membership in concrete domains.
     narrow: bool,
     open: bool,
@@ -42,7 +64,7 @@ impl CodomainCheck {
         let declared = &program.functions[function.0 as usize];
         Self {
             function,
-            within: declared.within,
+            restriction: Restriction::of(program, declared),
             narrow: declared.narrow && !program.compatible,
             open: declared.open,
         }
@@ -452,17 +474,19 @@ impl StepContext<'_> {
         origin: Origin,
     ) -> Result<(), RuleStopped> {
         self.checked()?;
-        if let Some(domain) = codomain.within
-            && !value.is_undef()
-            && !self.is_element(domain, value)
-        {
-            let misfit = DomainMisfit {
-                function: codomain.function,
-                value: value.clone(),
-                part: value.clone(),
-                domain,
-            };
-            return Err(self.stop(FaultKind::Outside { slot, misfit }, origin));
+        match codomain.restriction {
+            Restriction::None => {}
+            Restriction::Domain(domain) => {
+                if !value.is_undef() && !self.is_element(domain, value) {
+                    let misfit = DomainMisfit::whole(codomain.function, value, domain);
+                    return Err(self.stop(FaultKind::Outside { slot, misfit }, origin));
+                }
+            }
+            Restriction::Parts => {
+                if let Some(misfit) = self.misfit_of_parts(codomain.function, value) {
+                    return Err(self.stop(FaultKind::Outside { slot, misfit }, origin));
+                }
+            }
         }
         if codomain.narrow {
             self.check_place(slot, origin)?;

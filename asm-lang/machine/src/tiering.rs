@@ -62,11 +62,10 @@ impl Machine {
     pub fn set_back_end(&mut self, back_end: BackEnd) -> Result<(), NoNativeCode> {
         self.back_end = back_end;
         self.direct.is_ready = false;
-        match back_end {
-            BackEnd::Auto | BackEnd::Closures => Ok(()),
-            BackEnd::Native if self.compilation().direct() => Ok(()),
-            BackEnd::Native => self.compilation().detours(),
+        if back_end == BackEnd::Native && !self.compilation().direct() {
+            return self.compilation().detours();
         }
+        Ok(())
     }
 
     /// Returns the implementation of the next step: closures or native code.

@@ -38,8 +38,9 @@ impl Machine {
         }
         let last = self.last_step();
         let mut inputs = self.inputs_again();
-        if let FaultKind::Input { reason, .. } = &fault.kind {
-            inputs.refused.clone_from(reason);
+        if let FaultKind::Input { slot, reason } = &fault.kind {
+            let location = self.state().location(self.program(), *slot);
+            inputs.refused = location.map(|at| (at, reason.clone()));
         }
         if let FaultKind::OutsideInput {
             slot,
@@ -90,7 +91,7 @@ impl Machine {
         });
         ReplayInputs {
             known: inputs.collect(),
-            refused: String::new(),
+            refused: None,
             source: String::new(),
         }
     }
@@ -123,18 +124,18 @@ impl Machine {
 /// Replays the recorded inputs.
 struct ReplayInputs {
     known: BTreeMap<(FunctionId, Vec<Value>), Value>,
-    /// The error of the environment, if it refused an input.
-    refused: String,
+    /// The location whose input the environment refused, and its error.
+    refused: Option<((FunctionId, Vec<Value>), String)>,
     /// Source of a rejected input value.
     source: String,
 }
 
 impl Environment for ReplayInputs {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
-        match self.known.get(&(function, arguments.to_vec())) {
-            Some(value) => Ok(Some(value.clone())),
-            None if self.refused.is_empty() => Ok(None),
-            None => Err(self.refused.clone()),
+        let location = (function, arguments.to_vec());
+        match &self.refused {
+            Some((refused, reason)) if *refused == location => Err(reason.clone()),
+            Some(_) | None => Ok(self.known.get(&location).cloned()),
         }
     }
 

@@ -9,8 +9,8 @@ use crate::guarded::Guarded;
 use crate::truth::GuardedTruth;
 use asmotion_lang::Value;
 use asmotion_lang::ir::{
-    AssignTarget, Binder, Counter, FunctionId, FunctionKind, Local, Origin, RoutineId, Rule,
-    RuleNode, Slot, Term,
+    AssignTarget, Binder, Counter, DomainElements, DomainId, Function, FunctionId, FunctionKind,
+    Local, Origin, RoutineId, Rule, RuleNode, Slot, Term, ValueShape,
 };
 
 /// Limit for the iterations of a loop.
@@ -228,7 +228,6 @@ impl<'a> Evaluator<'a> {
 
     /// Returns `true` if the update of a location is a fault, because an argument is outside the function's domain.
     fn is_misplaced(&self, function: FunctionId, arguments: &[Value]) -> bool {
-        use asmotion_lang::ir::{DomainElements, ValueShape};
         let Some(declared) = self.program.functions.get(function.0 as usize) else {
             return false;
         };
@@ -243,6 +242,26 @@ impl<'a> Evaluator<'a> {
                     && !value.is_undef()
                     && !self.is_element(*domain, value)
             })
+    }
+
+    /// Returns `true` if the update of a location to a value is a fault, because a part of the value is outside the codomain.
+    fn is_outside(&self, declared: &Function, value: &Value) -> bool {
+        if let Some(domain) = declared.within {
+            return !value.is_undef() && !self.is_element(domain, value);
+        }
+        declared.restricted
+            && !self.program.compatible
+            && self.has_outsider(&declared.codomain, value)
+    }
+
+    /// Returns `true` if a part of a value is outside its domain. A domain without a definition imposes no restriction.
+    fn has_outsider(&self, shape: &ValueShape, value: &Value) -> bool {
+        let is_element = |domain: DomainId, value: &Value| {
+            let known = self.program.domains.get(domain.0 as usize);
+            known.is_none_or(|it| it.elements == DomainElements::Undefined)
+                || self.is_element(domain, value)
+        };
+        shape.outsider(value, &is_element).is_some()
     }
 
     fn update(
@@ -261,10 +280,7 @@ impl<'a> Evaluator<'a> {
         }
         let mut accepted = Guarded::default();
         for (value, guard) in value.iter() {
-            let is_outside = declared
-                .within
-                .is_some_and(|domain| !value.is_undef() && !self.is_element(domain, value));
-            if is_outside {
+            if self.is_outside(declared, value) {
                 self.fail(FaultClass::Outside, origin, guard)?;
             } else {
                 self.note(slot, value, origin);

@@ -15,11 +15,13 @@ mod boundaries;
 mod builtins;
 mod compatible;
 mod differences;
+mod domains;
 mod exits;
 mod fixes;
 mod initial_state;
 mod limits;
 mod messages;
+mod picks;
 mod ranges;
 mod records;
 mod recovery;
@@ -32,6 +34,7 @@ mod stored_values;
 #[path = "../../../tests/language/support.rs"]
 mod support;
 mod transfer;
+mod witnesses;
 
 use std::path::{Path, PathBuf};
 use support::{open, opened, programs, said};

@@ -418,3 +418,34 @@ default init s0:
     let refused = with(created, Engine::Symbolic, &Options::default()).unwrap_err();
     assert_eq!(refused, "the symbolic engine cannot represent `extend`");
 }
+
+#[test]
+fn a_part_of_a_value_outside_its_domain_is_a_fault_for_both_engines() {
+    let text = "asm parts
+import StandardLibrary
+signature:
+  domain Few subsetof Integer
+  monitored go: Boolean
+  controlled n: Few
+  controlled row: Seq(Few)
+  controlled bag: Bag(Prod(Few, Boolean))
+definitions:
+  domain Few = {3, 5, 7}
+  main rule r_Main = par
+    if go and n < 7 then n := n + 2 endif
+    if n = 5 then row := [3, PART] endif
+    if n = 7 then bag := <(PART, go)> endif
+  endpar
+default init s0:
+  function n = 3
+  function row = [3]
+";
+    for (part, fails) in [("3", false), ("4", true), ("n", false), ("n - 1", true)] {
+        let text = text.replace("PART", part);
+        let (explicit, symbolic) = agree(&text, &Options::default());
+        assert_eq!(lengths(&symbolic), lengths(&explicit), "{part}");
+        let mut properties = explicit.properties.iter();
+        let found = properties.find(|it| it.text == "no step fails").unwrap();
+        assert_eq!(found.verdict.is_violated(), fails, "{part}");
+    }
+}

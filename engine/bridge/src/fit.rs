@@ -20,12 +20,18 @@ fn location(path: &str) -> String {
     format!("`{path}`: ")
 }
 
-/// Checks the argument of an operation. The value of its only field may stand for the record.
+/// Checks the argument of an operation. The value of its only field may stand for the record. An empty record is no argument
+/// unless the operation has no parameters: the target would carry out a command that nobody has given.
 ///
 /// # Errors
 /// The first place where it does not fit.
 pub(crate) fn check_argument(argument: &Datum, request: &Schema) -> Result<(), SchemaMisfit> {
     match (argument, &request.shape) {
+        (Datum::Record(entries), Shape::Record(fields))
+            if entries.is_empty() && !fields.is_empty() =>
+        {
+            Err(no_field(fields))
+        }
         (Datum::Record(_), _) => check_fit(argument, request),
         (_, Shape::Record(fields)) if let [only] = fields.as_slice() => {
             check_fit(argument, &only.schema)
@@ -127,14 +133,25 @@ fn misfit(schema: &Schema, data: &Datum) -> SchemaMisfit {
     }
 }
 
-fn unknown_field(name: &str, known: &[OutlineKey]) -> SchemaMisfit {
+fn no_field(known: &[OutlineKey]) -> SchemaMisfit {
+    SchemaMisfit {
+        path: String::new(),
+        problem: format!("the argument is empty, {}", expected_field(known)),
+    }
+}
+
+fn expected_field(known: &[OutlineKey]) -> String {
     let names = known.iter().map(|field| format!("`{}`", field.name));
     let names: Vec<String> = names.collect();
-    let expected = match names.as_slice() {
+    match names.as_slice() {
         [] => "there are no fields".to_owned(),
         [only] => format!("expected {only}"),
         several => format!("expected one of {}", several.join(", ")),
-    };
+    }
+}
+
+fn unknown_field(name: &str, known: &[OutlineKey]) -> SchemaMisfit {
+    let expected = expected_field(known);
     SchemaMisfit {
         path: String::new(),
         problem: format!("unknown field `{name}`, {expected}"),
@@ -197,5 +214,25 @@ mod tests {
             description(&Datum::record([("speed", Datum::Int(1))]), &command),
             "unknown field `speed`, expected one of `goal`, `n`"
         );
+    }
+
+    #[test]
+    fn an_empty_argument_is_no_command() {
+        let number = || OutlineKey::new("n", "", Schema::plain(Shape::U8));
+        let goal = || OutlineKey::new("goal", "", Schema::plain(Shape::F64));
+        let empty = Datum::record::<String>([]);
+        let check = |argument: &Datum, fields: Vec<OutlineKey>| {
+            let checked = check_argument(argument, &Schema::record("arm/Command", fields));
+            checked.map_err(|misfit| misfit.to_string())
+        };
+        let one = "the argument is empty, expected `n`".to_owned();
+        assert_eq!(check(&empty, vec![number()]), Err(one));
+        let two = "the argument is empty, expected one of `goal`, `n`".to_owned();
+        assert_eq!(check(&empty, vec![goal(), number()]), Err(two));
+        // no parameters, a part of the fields, and the value of the only field
+        assert_eq!(check(&empty, vec![]), Ok(()));
+        let part = Datum::record([("n", Datum::Int(1))]);
+        assert_eq!(check(&part, vec![goal(), number()]), Ok(()));
+        assert_eq!(check(&Datum::Int(1), vec![number()]), Ok(()));
     }
 }

@@ -6,6 +6,7 @@ mod background;
 mod change;
 mod commands;
 mod common;
+mod component_api;
 mod connections;
 mod cycle;
 mod derived;

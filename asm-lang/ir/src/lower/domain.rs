@@ -219,11 +219,15 @@ impl Lowering<'_> {
         is_concrete.then_some(id(domain))
     }
 
-    /// Returns `true` if a component of the type is a concrete domain, so that not every value of
+    /// Returns `true` if a component of the type is a concrete domain with a definition, so that not every value of
     /// its shape belongs to the type.
     pub(super) fn is_restricted(&self, ty: TypeId) -> bool {
         let mut parts = self.model.types.reachable_types(ty, &self.model.domains);
-        parts.any(|part| self.membership(part).is_some())
+        parts.any(|part| {
+            let elements = |it: DomainId| &self.program.domains[it.0 as usize].elements;
+            self.membership(part)
+                .is_some_and(|domain| *elements(domain) != DomainElements::Undefined)
+        })
     }
 
     /// Returns `true` if an argument must be an element of a concrete domain that does not grow.

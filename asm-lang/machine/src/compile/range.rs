@@ -176,10 +176,8 @@ impl RangeCode {
                     ControlFlow::Break(())
                 }
             },
-            Self::Extent(shape) => match run.extent(shape) {
-                Ok(elements) => elements
-                    .into_iter()
-                    .try_for_each(|element| visit(run, element)),
+            Self::Extent(shape) => match run.each_value(shape, visit) {
+                Ok(done) => done,
                 Err(kind) => {
                     run.fail(kind, origin);
                     ControlFlow::Break(())

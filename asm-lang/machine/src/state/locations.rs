@@ -43,13 +43,18 @@ fn hash(function: FunctionId, arguments: &[Value]) -> u64 {
 
 impl Locations {
     pub fn new(program: &Program) -> Self {
+        Self::beyond(program.eager, program.slots)
+    }
+
+    /// Creates the locations for a program with these numbers of eager and of fixed slots.
+    fn beyond(eager: Slot, fixed: Slot) -> Self {
         Self {
-            fixed: program.slots,
-            eager: program.eager,
-            is_materialised: vec![false; (program.slots - program.eager) as usize],
+            fixed,
+            eager,
+            is_materialised: vec![false; (fixed - eager) as usize],
             met: Vec::new(),
             committed_met: 0,
-            committed: program.slots as usize,
+            committed: fixed as usize,
             interned: Vec::new(),
             outside: Vec::new(),
             slots: HashTable::new(),
@@ -168,5 +173,26 @@ impl Locations {
             program.functions[function.0 as usize].kind == FunctionKind::Local
                 && arguments.first() == Some(&Value::Int(run))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_forgotten_location_leaves_nothing_behind() {
+        let mut locations = Locations::beyond(2, 3);
+        let function = FunctionId(0);
+        let arguments = |number| [Value::Int(number)];
+        let kept = locations.intern(function, &arguments(0), false);
+        for number in 1..100 {
+            let slot = locations.intern(function, &arguments(number), number % 2 == 0);
+            assert_eq!(locations.find(function, &arguments(number)), Some(slot));
+            locations.forget_last();
+            assert_eq!(locations.find(function, &arguments(number)), None);
+            assert_eq!((locations.slots.len(), locations.outside.len()), (1, 0));
+        }
+        assert_eq!(locations.find(function, &arguments(0)), Some(kept));
     }
 }

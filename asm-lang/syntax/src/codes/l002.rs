@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Invalid letter in a name
 ///
-/// Names consist of the letters a to z, digits and `_`. Comments and strings may contain any character.
+/// Names consist of the letters a to z, digits and `_`. A variable begins with `$`, which no name contains. Comments and strings may contain any character.
 ///
 /// ```asm wrong
 /// asm example
@@ -33,8 +33,11 @@ pub(crate) struct ForeignLetters {
 
 impl Finding for ForeignLetters {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
-        diagnostic
-            .label(self.at, "invalid name")
-            .help("use the letters `a` to `z` and `A` to `Z`, digits and `_`")
+        let diagnostic = diagnostic.label(self.at, "invalid name");
+        if self.word.is_ascii() {
+            return diagnostic
+                .help("`$` is the first character of a variable; no name contains it");
+        }
+        diagnostic.help("use the letters `a` to `z` and `A` to `Z`, digits and `_`")
     }
 }

@@ -35,6 +35,15 @@ pub(crate) fn length(text: &str) -> usize {
     }
 }
 
+/// Returns the length of a word with the parts that follow it directly and begin with `$`, as in `X$next`.
+fn with_dollars(text: &str, word: usize) -> usize {
+    let behind = text.get(word..).and_then(|rest| rest.strip_prefix('$'));
+    match behind.filter(|rest| rest.starts_with(begins)) {
+        Some(rest) => with_dollars(text, word + "$".len() + length(rest)),
+        None => word,
+    }
+}
+
 impl<'input> Lexer<'input, '_> {
     pub(super) fn word(&self) -> TokenLength<'input> {
         let rest = self.rest();
@@ -57,6 +66,7 @@ impl<'input> Lexer<'input, '_> {
         if let Some(length) = number::imaginary_length(rest) {
             return (Token::Complex(rest.get(..length).unwrap_or(word)), length);
         }
+        let word = rest.get(..with_dollars(rest, word.len())).unwrap_or(word);
         let is_rule = word.strip_prefix("r_").is_some_and(|name| !name.is_empty());
         let token = match word {
             _ if word.starts_with(char::is_uppercase) => Token::Constant(word),
@@ -72,7 +82,7 @@ impl<'input> Lexer<'input, '_> {
         let name = rest
             .strip_prefix('$')
             .filter(|name| name.starts_with(begins))?;
-        let variable = rest.get(..1 + length(name))?;
+        let variable = rest.get(..with_dollars(rest, 1 + length(name)))?;
         Some(self.name(Token::Variable(variable), variable))
     }
 
@@ -194,7 +204,8 @@ impl<'input> Lexer<'input, '_> {
     /// Checks the characters of a name.
     fn name(&self, token: Token<'input>, word: &'input str) -> TokenLength<'input> {
         let at = self.next_bytes(word.len());
-        if !word.is_ascii() {
+        let has_dollar = word.get(1..).is_some_and(|rest| rest.contains('$'));
+        if !word.is_ascii() || has_dollar {
             self.findings.report(ForeignLetters {
                 word: word.to_owned(),
                 at,
