@@ -18,7 +18,7 @@ use tungstenite::{Error, Message};
 use crate::socket::{ClientSocket, PATIENCE};
 use crate::ticker::{Shared, Ticked, Ticker, next_tick};
 
-/// Limit on the messages of a client that are handled before others have their turn.
+/// Limit on the messages of a client that are handled at once. A task that is always ready gives way to others by itself.
 const MAX_MESSAGES: usize = 32;
 
 /// A client: what it is sent, and how its messages are answered.
@@ -65,24 +65,21 @@ impl<C: Client> Connection<C> {
 }
 
 impl<C: Client> Ticked<C::Shared> for Connection<C> {
-    fn due(&self) -> Instant {
-        self.state().due
-    }
-
-    fn tick(&self, shared: &mut C::Shared) {
+    fn tick(&self, now: Instant, shared: &mut C::Shared) -> Instant {
         let mut state = self.state();
-        state.due = next_tick(state.client.interval(), Instant::now());
-        if state.has_ended {
-            return;
+        if state.due > now {
+            return state.due;
         }
+        state.due = next_tick(state.client.interval(), now);
         if state.socket.is_stuck() {
-            state.has_ended = state.socket.is_given_up();
-        } else {
+            state.has_ended |= state.socket.is_given_up();
+        } else if !state.has_ended {
             state.send_news(shared, false);
         }
         if state.has_ended || state.socket.is_stuck() {
             self.wake.notify_one();
         }
+        state.due
     }
 }
 
@@ -191,8 +188,6 @@ async fn answer<C: Client>(
                     return;
                 }
                 receive(connection, ticker);
-                // a client that sends without end does not keep others waiting
-                tokio::task::yield_now().await;
             }
             Some(reply) = replied.recv() => connection.state().send(vec![Message::text(reply)]),
             () = connection.wake.notified() => {}

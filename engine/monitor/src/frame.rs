@@ -1,5 +1,6 @@
 //! Frames: what is new for a tab since its last frame, as JSON.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -85,8 +86,13 @@ impl SharedFrames {
                 (state.time, state.lost, state.end.clone())
             };
             let end = end.map_or_else(|| "null".to_owned(), |end| quoted(&end));
-            let (t, wall, links) = (time.seconds(), feed.milliseconds(now), broken_links(feed, now));
-            let common = format!(",\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"end\":{end}{links}");
+            let (t, wall, links) = (
+                time.seconds(),
+                feed.milliseconds(now),
+                broken_links(feed, now),
+            );
+            let common =
+                format!(",\"t\":{t},\"wall\":{wall:.1},\"lost\":{lost},\"end\":{end}{links}");
             common.into()
         });
         Arc::clone(common)
@@ -125,12 +131,7 @@ impl FrameWriter {
         if news.is_empty() && !self.is_heartbeat_due(now) {
             return None;
         }
-        let control = match (desk.is_open(), desk.armed_for(client)) {
-            (false, _) => "\"view\"".to_owned(),
-            (true, Some(left)) => format!("{{\"armed_s\":{}}}", left.as_secs()),
-            (true, None) if desk.is_held_by_other(client) => "\"held\"".to_owned(),
-            (true, None) => "\"free\"".to_owned(),
-        };
+        let control = control(desk, client);
         let common = shared.common(feed);
         Some(self.frame(now, &control, [&common, &news]))
     }
@@ -164,6 +165,18 @@ impl FrameWriter {
         frame.push_str(news);
         frame.push('}');
         frame
+    }
+}
+
+/// The member of a frame that says what a tab may do.
+fn control(desk: &Desk, client: u64) -> Cow<'static, str> {
+    if !desk.is_open() {
+        return "\"view\"".into();
+    }
+    match desk.armed_for(client) {
+        Some(left) => format!("{{\"armed_s\":{}}}", left.as_secs()).into(),
+        None if desk.is_held_by_other(client) => "\"held\"".into(),
+        None => "\"free\"".into(),
     }
 }
 

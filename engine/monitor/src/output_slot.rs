@@ -1,12 +1,14 @@
 //! The newest sample of an output, and how regularly it arrives.
 
+use std::any::Any;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_component::Time;
-use asmotion_datum::{Datum, Sample};
+use asmotion_datum::{Datum, DatumError, Sample};
 use asmotion_viewer_encoding::ChannelSchema;
 
 use crate::rendering;
@@ -97,7 +99,7 @@ pub(crate) struct OutputSummary {
 impl NewestSample {
     /// The sample as JSON, or why there is none.
     pub(crate) fn json(&self) -> &Arc<str> {
-        self.json.get_or_init(|| match self.sample.to_datum() {
+        self.json.get_or_init(|| match self.datum() {
             Ok(datum) => rendering::json(&datum).into(),
             Err(error) => {
                 let error = rendering::quoted(&error.to_string());
@@ -118,9 +120,13 @@ impl NewestSample {
         }
     }
 
-    /// The sample as data.
-    pub(crate) fn datum(&self) -> Option<Datum> {
-        self.sample.to_datum().ok()
+    /// The sample as data, which it may be already.
+    pub(crate) fn datum(&self) -> Result<Cow<'_, Datum>, DatumError> {
+        let sample: &dyn Any = &*self.sample;
+        match sample.downcast_ref() {
+            Some(datum) => Ok(Cow::Borrowed(datum)),
+            None => self.sample.to_datum().map(Cow::Owned),
+        }
     }
 
     pub(crate) fn kind(&self) -> &'static str {

@@ -19,7 +19,20 @@ pub(crate) fn json(datum: &Datum) -> String {
 
 /// Writes a text as JSON.
 pub(crate) fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    let mut quoted = String::new();
+    quote(text, &mut quoted);
+    quoted
+}
+
+fn quote(text: &str, to: &mut String) {
+    let is_escaped = |byte: u8| byte < b' ' || byte == b'"' || byte == b'\\';
+    if text.bytes().any(is_escaped) {
+        to.push_str(&serde_json::Value::from(text).to_string());
+    } else {
+        to.push('"');
+        to.push_str(text);
+        to.push('"');
+    }
 }
 
 fn write(datum: &Datum, to: &mut String) {
@@ -27,8 +40,8 @@ fn write(datum: &Datum, to: &mut String) {
         Datum::Null => to.push_str("null"),
         Datum::Bool(value) => show(value, to),
         Datum::Int(value) => show(value, to),
-        Datum::Float(value) => number(*value, value.is_finite(), to),
-        Datum::Text(text) => to.push_str(&quoted(text)),
+        Datum::Float(value) => number(*value, to),
+        Datum::Text(text) => quote(text, to),
         Datum::Bytes(bytes) => integers(bytes, to),
         Datum::Numbers(numbers) => packed(numbers, to),
         Datum::List(elements) => list(elements, write, to),
@@ -38,7 +51,7 @@ fn write(datum: &Datum, to: &mut String) {
                 if index > 0 {
                     to.push(',');
                 }
-                to.push_str(&quoted(name));
+                quote(name, to);
                 to.push(':');
                 write(value, to);
             }
@@ -55,8 +68,8 @@ fn packed(numbers: &Numbers, to: &mut String) {
         Numbers::I32(all) => integers(all, to),
         Numbers::U32(all) => integers(all, to),
         Numbers::I64(all) => integers(all, to),
-        Numbers::F32(all) => list(all, |value, to| number(*value, value.is_finite(), to), to),
-        Numbers::F64(all) => list(all, |value, to| number(*value, value.is_finite(), to), to),
+        Numbers::F32(all) => list(all, |value, to| number(*value, to), to),
+        Numbers::F64(all) => list(all, |value, to| number(*value, to), to),
     }
 }
 
@@ -85,15 +98,14 @@ fn list<T>(all: &[T], mut element: impl FnMut(&T, &mut String), to: &mut String)
     to.push(']');
 }
 
-fn number(value: impl Display, is_finite: bool, to: &mut String) {
-    if is_finite {
-        return show(&value, to);
+fn number(value: impl zmij::Float, to: &mut String) {
+    let mut buffer = zmij::Buffer::new();
+    match buffer.format(value) {
+        "inf" => to.push_str("\"Infinity\""),
+        "-inf" => to.push_str("\"-Infinity\""),
+        "NaN" => to.push_str("\"NaN\""),
+        number => to.push_str(number.strip_suffix(".0").unwrap_or(number)),
     }
-    to.push_str(match value.to_string().as_str() {
-        "inf" => "\"Infinity\"",
-        "-inf" => "\"-Infinity\"",
-        _ => "\"NaN\"",
-    });
 }
 
 fn show(value: &impl Display, to: &mut String) {

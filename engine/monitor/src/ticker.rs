@@ -9,10 +9,8 @@ use tokio::time::sleep_until;
 
 /// A client of a ticker, with what all of its clients share.
 pub(crate) trait Ticked<S>: Send + Sync {
-    /// Time of the next tick.
-    fn due(&self) -> Instant;
-    /// A tick.
-    fn tick(&self, shared: &mut S);
+    /// A tick, if it is due by now. Returns the time of the next one.
+    fn tick(&self, now: Instant, shared: &mut S) -> Instant;
 }
 
 /// What clients share.
@@ -30,6 +28,7 @@ pub(crate) struct Ticker<S> {
     changed: Notify,
 }
 
+/// Locked before what they share.
 struct TickedClients<S> {
     all: Vec<Arc<dyn Ticked<S>>>,
     /// Whether a task ticks, which it does as long as there are clients.
@@ -85,33 +84,23 @@ impl<S: Shared> Ticker<S> {
 
     /// Ticks until no client is left.
     async fn run(self: Arc<Self>) {
-        loop {
-            let next = {
-                let mut clients = self.clients();
-                let Some(next) = clients.all.iter().map(|it| it.due()).min() else {
-                    clients.is_ticking = false;
-                    return;
-                };
-                next
-            };
+        while let Some(next) = self.tick() {
             tokio::select! {
-                () = sleep_until(next.into()) => self.tick(),
+                () = sleep_until(next.into()) => {}
                 () = self.changed.notified() => {}
             }
         }
     }
 
-    fn tick(&self) {
+    /// Lets the clients tick that are due. Returns the time at which the next one is; `None` without clients.
+    fn tick(&self) -> Option<Instant> {
         let now = Instant::now();
-        let clients = self.clients();
-        let due = clients.all.iter().filter(|it| it.due() <= now);
-        let due: Vec<_> = due.cloned().collect();
-        drop(clients);
+        let mut clients = self.clients();
         let mut shared = self.shared();
         shared.begin(now);
-        for client in due {
-            client.tick(&mut shared);
-        }
+        let next = clients.all.iter().map(|it| it.tick(now, &mut shared)).min();
+        clients.is_ticking = next.is_some();
+        next
     }
 }
 

@@ -40,7 +40,8 @@ impl ChannelSource {
         match (self, other) {
             (Self::Samples(these), Self::Samples(those)) => {
                 let pairs = these.iter().zip(those);
-                these.len() == those.len() && pairs.into_iter().all(|(one, it)| Arc::ptr_eq(one, it))
+                these.len() == those.len()
+                    && pairs.into_iter().all(|(one, it)| Arc::ptr_eq(one, it))
             }
             (Self::Frames(one), Self::Frames(it)) => Arc::ptr_eq(one, it),
             (Self::Steps(one), Self::Steps(it)) => one == it,
@@ -59,18 +60,18 @@ impl ChannelSource {
 /// The channels by number, for all viewers. Numbers are not used again.
 #[derive(Default)]
 pub(super) struct ViewerChannels {
-    known: BTreeMap<u32, Arc<ViewerChannel>>,
+    known: BTreeMap<u32, ViewerChannel>,
     last: u32,
-    /// Number of times that channels came or went.
+    /// Number of times that channels came, went, or got other sources.
     version: u64,
 }
 
 impl ViewerChannels {
-    pub(super) fn get(&self, id: u32) -> Option<&Arc<ViewerChannel>> {
+    pub(super) fn get(&self, id: u32) -> Option<&ViewerChannel> {
         self.known.get(&id)
     }
 
-    /// Number of times that channels came or went.
+    /// Number of times that channels came, went, or got other sources.
     pub(super) fn version(&self) -> u64 {
         self.version
     }
@@ -88,12 +89,13 @@ impl ViewerChannels {
             let known = self.known.values_mut().find(|it| it.name == name);
             if let Some(known) = known {
                 if !known.source.is(&channel.source) {
-                    *known = Arc::new(channel);
+                    *known = channel;
+                    is_other = true;
                 }
                 continue;
             }
             self.last += 1;
-            self.known.insert(self.last, Arc::new(channel));
+            self.known.insert(self.last, channel);
             is_other = true;
         }
         self.version += u64::from(is_other);

@@ -1,4 +1,4 @@
-//! What viewers share: the channels, and the messages of a channel in a tick, each of which is encoded once.
+//! What viewers share: the channels, and the batches of a tick, each of which is encoded once.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -34,31 +34,32 @@ pub(crate) struct SharedMessages {
     news: Vec<SharedNews>,
 }
 
-/// What is new for viewers that have subscribed to a channel by the same number and have received the same of it.
+/// What is new for viewers that have subscribed to the same by the same numbers, and have received the same.
 struct SharedNews {
-    channel: Arc<ViewerChannel>,
-    reader: ChannelReader,
+    before: Arc<Subscribed>,
     was_held: bool,
     new: NewMessages,
-    /// The reader when it has received them.
-    after: ChannelReader,
+    /// What they have received with it.
+    after: Arc<Subscribed>,
 }
 
+/// The subscriptions of a viewer, by the number that it has given them.
+pub(super) type Subscribed = BTreeMap<u32, ChannelReader>;
+
 /// What a viewer has received of a channel.
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Eq)]
 pub(super) struct ChannelReader {
-    /// Number of the subscription.
-    id: u32,
+    pub channel: u32,
     /// Numbers of the last message of each source.
     sent: BTreeMap<Arc<str>, u64>,
     /// Time of the last state that was sent, if it is large.
     state_sent: Option<Instant>,
 }
 
-/// The new messages of a channel, with the times of the run at which they came into being.
+/// New messages, by the times of the run at which they came into being.
 #[derive(Clone, Default)]
 pub(super) struct NewMessages {
-    pub messages: Vec<(Time, Message)>,
+    pub messages: Vec<Message>,
     /// Number of messages that are not sent.
     pub skipped: u64,
 }
@@ -88,38 +89,44 @@ impl SharedMessages {
         &self.channels
     }
 
-    /// What is new of a channel for a reader. After a pause (`was_held`) only the newest sample is.
+    /// What is new for a viewer. After a pause (`was_held`) only the newest samples are.
     pub(super) fn news(
         &mut self,
-        channel: &Arc<ViewerChannel>,
-        reader: &mut ChannelReader,
+        subscribed: &mut Arc<Subscribed>,
         (feed, was_held): (&Feed, bool),
     ) -> NewMessages {
-        let known = self.news.iter().find(|it| {
-            Arc::ptr_eq(&it.channel, channel) && it.was_held == was_held && it.reader == *reader
-        });
+        // viewers that keep up have the same pointer from their second batch on
+        let mut known = self.news.iter();
+        let known = known.find(|it| it.was_held == was_held && it.before == *subscribed);
         if let Some(known) = known {
-            reader.clone_from(&known.after);
+            *subscribed = Arc::clone(&known.after);
             return known.new.clone();
         }
-        let before = reader.clone();
+        let before = Arc::clone(subscribed);
+        let mut messages = Vec::new();
         let mut skipped = 0;
-        let contents = reader.read(channel, (feed, was_held), &mut skipped);
-        let framed = contents.into_iter().map(|(at, data)| {
-            let (id, at_ns) = (reader.id.to_le_bytes(), nanoseconds(at));
-            let parts: [&[u8]; 4] = [&[MESSAGE_DATA], &id, &at_ns, &data];
-            (at, Message::Binary(Bytes::from(parts.concat())))
+        for (id, reader) in Arc::make_mut(subscribed) {
+            let Some(channel) = self.channels.get(reader.channel) else {
+                continue;
+            };
+            let contents = reader.read(channel, (feed, was_held), &mut skipped);
+            messages.extend(contents.into_iter().map(|content| (*id, content)));
+        }
+        messages.sort_by_key(|(_, (at, _))| *at);
+        let framed = messages.into_iter().map(|(id, (at, data))| {
+            let (id, at) = (id.to_le_bytes(), nanoseconds(at));
+            let parts: [&[u8]; 4] = [&[MESSAGE_DATA], &id, &at, &data];
+            Message::Binary(Bytes::from(parts.concat()))
         });
         let new = NewMessages {
             messages: framed.collect(),
             skipped,
         };
         self.news.push(SharedNews {
-            channel: Arc::clone(channel),
-            reader: before,
+            before,
             was_held,
             new: new.clone(),
-            after: reader.clone(),
+            after: Arc::clone(subscribed),
         });
         new
     }
@@ -132,7 +139,7 @@ pub(super) fn nanoseconds(at: Time) -> [u8; 8] {
 
 impl ChannelReader {
     /// A reader of a new subscription: the newest sample, the last step, and recent entries of the log are new to it.
-    pub(super) fn new(id: u32, source: &ChannelSource, feed: &Feed, recent: usize) -> Self {
+    pub(super) fn new(channel: u32, source: &ChannelSource, feed: &Feed, recent: usize) -> Self {
         let state = feed.state();
         let sent = match source {
             ChannelSource::Samples(_) | ChannelSource::Frames(_) | ChannelSource::State(..) => {
@@ -151,15 +158,10 @@ impl ChannelReader {
             ]),
         };
         Self {
-            id,
+            channel,
             sent,
             state_sent: None,
         }
-    }
-
-    /// Returns whether it has received a message of this source.
-    pub(super) fn knows(&self, source: &str) -> bool {
-        self.sent.contains_key(source)
     }
 
     /// The messages that are new, and the number of those that are skipped.
@@ -179,7 +181,7 @@ impl ChannelReader {
             }
             ChannelSource::Frames(slot) => {
                 let new = self.samples(slot, was_held, &mut 0).into_iter();
-                new.filter_map(|it| Some((it.at, messages::frame(&it.datum()?)?)))
+                new.filter_map(|it| Some((it.at, messages::frame(&*it.datum().ok()?)?)))
                     .collect()
             }
             ChannelSource::Steps(component) => {

@@ -1,6 +1,6 @@
 //! What a viewer has subscribed to, what of it it has received, and the next batch of messages for it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tungstenite::{Bytes, Message};
 
 use super::channels::ChannelSource;
-use super::shared_messages::{ChannelReader, SharedMessages, nanoseconds};
+use super::shared_messages::{ChannelReader, SharedMessages, Subscribed, nanoseconds};
 use crate::client::Client;
 use crate::feed::Feed;
 use crate::output_slot::SlotFollower;
@@ -49,14 +49,6 @@ struct WantedSubscription {
     channel_id: u32,
 }
 
-/// A subscription, by the number that the viewer has given it.
-struct ViewerSubscription {
-    channel: u32,
-    reader: ChannelReader,
-    /// The outputs among the sources, which keep their recent samples.
-    followed: Vec<SlotFollower>,
-}
-
 /// The level of a message to the user.
 #[derive(Clone, Copy)]
 enum StatusLevel {
@@ -75,7 +67,10 @@ pub(super) struct Viewer {
     advertised: BTreeSet<u32>,
     /// The version of the channels that it knows; `None` before the first one.
     version: Option<u64>,
-    subscriptions: BTreeMap<u32, ViewerSubscription>,
+    /// What it has subscribed to, and what of it it has received.
+    subscriptions: Arc<Subscribed>,
+    /// The outputs among the sources, which keep their recent samples.
+    followed: Vec<SlotFollower>,
     /// Number of the last batch.
     batch: u64,
     /// The batches that ended with a ping.
@@ -138,7 +133,8 @@ impl Viewer {
             max_channels,
             advertised: BTreeSet::new(),
             version: None,
-            subscriptions: BTreeMap::new(),
+            subscriptions: Arc::default(),
+            followed: Vec::new(),
             batch: 0,
             under_way: UnderWay::default(),
             heard: Instant::now(),
@@ -158,9 +154,11 @@ impl Viewer {
                 .map(|problem| status(StatusLevel::Warning, &problem))
                 .collect(),
             Ok(ViewerRequest::Unsubscribe { subscription_ids }) => {
+                let subscriptions = Arc::make_mut(&mut self.subscriptions);
                 for id in subscription_ids {
-                    self.subscriptions.remove(&id);
+                    subscriptions.remove(&id);
                 }
+                self.follow(shared);
                 Vec::new()
             }
             Ok(ViewerRequest::Other) => {
@@ -197,13 +195,23 @@ impl Viewer {
                 "a viewer can subscribe to {limit} channels at most"
             ));
         }
-        let subscription = ViewerSubscription {
-            channel: *channel_id,
-            reader: ChannelReader::new(*id, &channel.source, &self.feed, RECENT),
-            followed: Vec::new(),
-        };
-        self.subscriptions.insert(*id, subscription);
+        let reader = ChannelReader::new(*channel_id, &channel.source, &self.feed, RECENT);
+        Arc::make_mut(&mut self.subscriptions).insert(*id, reader);
+        self.follow(shared);
         Ok(())
+    }
+
+    /// Lets the outputs that are subscribed to keep their recent samples.
+    fn follow(&mut self, shared: &SharedMessages) {
+        let channels = self.subscriptions.values();
+        let channels = channels.filter_map(|it| shared.channels().get(it.channel));
+        let slots = channels.flat_map(|channel| match &channel.source {
+            ChannelSource::Samples(slots) => &slots[..],
+            ChannelSource::Frames(slot) => std::slice::from_ref(slot),
+            ChannelSource::Steps(_) | ChannelSource::State(..) | ChannelSource::Log => &[],
+        });
+        // the new ones before the old ones end
+        self.followed = slots.map(SlotFollower::new).collect();
     }
 
     /// The next messages; empty if nothing is new, or if the viewer has to answer a ping first.
@@ -246,8 +254,9 @@ impl Viewer {
         if self.version != Some(channels.version()) {
             self.version = Some(channels.version());
             news.extend(channels.tell(&mut self.advertised));
-            self.subscriptions
-                .retain(|_, it| self.advertised.contains(&it.channel));
+            let advertised = &self.advertised;
+            Arc::make_mut(&mut self.subscriptions).retain(|_, it| advertised.contains(&it.channel));
+            self.follow(shared);
         }
         if self.feed.state().end.is_some() {
             news.extend(self.say_once(StatusLevel::Info, "the run has ended"));
@@ -259,23 +268,11 @@ impl Viewer {
 
     /// The new messages of all subscriptions, by time.
     fn messages(&mut self, shared: &mut SharedMessages) -> Vec<Message> {
-        let mut skipped = 0;
-        let mut messages = Vec::new();
-        for subscription in self.subscriptions.values_mut() {
-            let Some(channel) = shared.channels().get(subscription.channel) else {
-                continue;
-            };
-            let channel = Arc::clone(channel);
-            subscription.follow(&channel.source);
-            let source = (&self.feed, self.is_held);
-            let new = shared.news(&channel, &mut subscription.reader, source);
-            skipped += new.skipped;
-            messages.extend(new.messages);
-        }
-        messages.sort_by_key(|(at, _)| *at);
+        let source = (&self.feed, self.is_held);
+        let new = shared.news(&mut self.subscriptions, source);
         let mut batch = Vec::new();
-        if skipped > 0 {
-            self.skipped.fetch_add(skipped, Ordering::Relaxed);
+        if new.skipped > 0 {
+            self.skipped.fetch_add(new.skipped, Ordering::Relaxed);
             let reason = if self.is_held {
                 "messages were skipped, because this viewer or its network is too slow: it receives the newest ones"
             } else {
@@ -285,7 +282,7 @@ impl Viewer {
             batch.extend(said.map(|it| Message::text(it.to_string())));
         }
         self.is_held = false;
-        batch.extend(messages.into_iter().map(|(_, message)| message));
+        batch.extend(new.messages);
         batch
     }
 
@@ -301,20 +298,4 @@ impl Viewer {
 
 fn status(level: StatusLevel, text: &str) -> Value {
     json!({ "op": "status", "level": level as u8, "message": text, "id": text })
-}
-
-impl ViewerSubscription {
-    /// Lets the outputs among the sources keep their recent samples, from the first one that is sent.
-    fn follow(&mut self, source: &ChannelSource) {
-        let slots = match source {
-            ChannelSource::Samples(slots) => &slots[..],
-            ChannelSource::Frames(slot) => std::slice::from_ref(slot),
-            ChannelSource::Steps(_) | ChannelSource::State(..) | ChannelSource::Log => &[],
-        };
-        for slot in slots {
-            if !self.reader.knows(&slot.name) {
-                self.followed.push(SlotFollower::new(slot));
-            }
-        }
-    }
 }
