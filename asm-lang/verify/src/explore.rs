@@ -5,8 +5,8 @@
 
 use crate::decisions::{Decision, InputValue};
 use crate::fair_moves::MovedSet;
-use crate::own_inputs::InputFunctions;
 use crate::parents::Parents;
+use crate::reads::InputFunctions;
 use crate::spill::{Spill, Table};
 use crate::store::{StateStorage, StateStore};
 use crate::transition::{ConditionTerm, MachineFault, TransitionSystem};

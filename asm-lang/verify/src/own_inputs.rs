@@ -10,12 +10,10 @@ use crate::logic::{FairnessFormula, visit_conditions};
 use crate::operator::Operator;
 use crate::preparation::{Prepared, Property};
 use crate::property::PropertyKind;
+use crate::reads::InputFunctions;
 use asmotion_lang::Machine;
 use asmotion_lang::hir::FunctionId;
 use std::collections::BTreeSet;
-
-/// Inputs, by the machines that read them.
-pub(crate) type InputFunctions = BTreeSet<(usize, FunctionId)>;
 
 impl Prepared {
     /// Returns the inputs that any property mentions.

@@ -3,6 +3,9 @@
 use asmotion_lang::hir::{FunctionId, FunctionKind, Meaning, Model, Term};
 use std::collections::BTreeSet;
 
+/// Inputs, by the machines that read them.
+pub(crate) type InputFunctions = BTreeSet<(usize, FunctionId)>;
+
 /// The kinds of functions that a term depends on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Reads {

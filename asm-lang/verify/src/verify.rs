@@ -23,9 +23,9 @@ use crate::observer::ObserverMachine;
 #[cfg(feature = "symbolic")]
 use crate::options::Engine;
 use crate::options::{InputValues, Options, Storage};
-use crate::own_inputs::InputFunctions;
 use crate::preparation::{Prepared, prepare, report_of};
 use crate::property::{CheckedProperty, Note};
+use crate::reads::InputFunctions;
 use crate::regions::RepresentedInput;
 use crate::reuse::{self, KeptExploration};
 use crate::spill::Spill;
