@@ -46,7 +46,10 @@ fn losses_are_those_of_the_inputs_and_those_that_the_component_sets() {
     let inputs = run.lost("Losing");
     assert_eq!(inputs.len(), 2);
     let seen = inputs[1];
-    assert!(inputs[0] == 0 && seen >= 12 && seen % 3 == 0, "{inputs:?}");
+    assert!(
+        inputs[0] == 0 && seen >= 12 && seen.is_multiple_of(3),
+        "{inputs:?}"
+    );
     let losses = Losses {
         dropped: seen + 4,
         misfits: 40,
