@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use asmotion_drawing::Instances;
 use clap::{Args, ValueEnum};
 
 use crate::build::Build;
@@ -10,7 +11,8 @@ use crate::files::{DiskLoader, reason};
 use crate::mission::MissionError;
 use crate::terminal::TerminalOutput;
 
-/// Draws a composite: components, topics, services, references and their connections.
+/// Draws a composite: components, topics, services, references and their connections. Four or more components that differ only in a
+/// number, as the instances of an element with `for` do, are drawn as one.
 #[derive(Args)]
 pub struct Graph {
     /// Composite file
@@ -23,6 +25,10 @@ pub struct Graph {
     /// Output format
     #[arg(long, value_enum, default_value_t = GraphFormat::Svg)]
     format: GraphFormat,
+
+    /// Draws each component, also those that differ only in a number
+    #[arg(long)]
+    each: bool,
 
     /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
@@ -55,10 +61,15 @@ impl Graph {
             });
             return Exit::Usage;
         };
+        let instances = if self.each {
+            Instances::Each
+        } else {
+            Instances::Folded
+        };
         let picture = match self.format {
-            GraphFormat::Dot => asmotion_drawing::dot(plan),
-            GraphFormat::Mermaid => asmotion_drawing::mermaid(plan),
-            GraphFormat::Svg => asmotion_drawing::svg(plan),
+            GraphFormat::Dot => asmotion_drawing::dot(plan, instances),
+            GraphFormat::Mermaid => asmotion_drawing::mermaid(plan, instances),
+            GraphFormat::Svg => asmotion_drawing::svg(plan, instances),
         };
         let Some(path) = self.output else {
             terminal.result(picture.trim_end());

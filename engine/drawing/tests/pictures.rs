@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, Tables};
 use asmotion_diagnostics::{LoadError, Loader};
+use asmotion_drawing::Instances;
+use asmotion_lang::MemoryFiles;
 use asmotion_plan::Opened;
 
 /// Loads files from `specs`, with a word replaced.
@@ -63,9 +65,9 @@ fn drawn_from(file: &str, specs: &Specs) -> [String; 3] {
             .plan(None)
             .unwrap_or_else(|| panic!("{:#?}", opened.report));
         [
-            asmotion_drawing::dot(plan),
-            asmotion_drawing::mermaid(plan),
-            asmotion_drawing::svg(plan),
+            asmotion_drawing::dot(plan, Instances::Folded),
+            asmotion_drawing::mermaid(plan, Instances::Folded),
+            asmotion_drawing::svg(plan, Instances::Folded),
         ]
     };
     let once = draw();
@@ -148,4 +150,78 @@ fn it_draws_nested_composites_as_frames() {
     insta::assert_snapshot!("youbot.dot", dot);
     insta::assert_snapshot!("youbot.mermaid", mermaid);
     assert_eq!(svg.matches(">Driver</text>").count(), 1, "{svg}");
+}
+
+/// A composite of the repository, or one of these files, in DOT.
+fn dot_of(file: &str, loader: &dyn Loader, instances: Instances) -> String {
+    let context = Context {
+        loader,
+        environment: &EmptyEnvironment,
+        catalogue: &Tables::EMPTY,
+        specifications: &AsmFiles::new(loader),
+        programs: &asmotion_composite::NoPrograms,
+        settings: &[],
+    };
+    let opened = asmotion_plan::open(file, &context);
+    let plan = opened.plan(None);
+    let plan = plan.unwrap_or_else(|| panic!("{:#?}", opened.report));
+    asmotion_drawing::dot(plan, instances)
+}
+
+/// A component with a mode and a partner that takes it, in DOT, as often as `instances` says.
+fn pairs(more: &str, instances: Instances) -> String {
+    let mut files = MemoryFiles::new();
+    let source = "asm source\nsignature:\n  out level: Integer\ndefinitions:\n  main rule r_Main = level := 1\n";
+    let sink = "asm sink\nsignature:\n  monitored level: Integer\n  controlled last: Integer\ndefinitions:\n  main rule r_Main = last := level\n";
+    files.add("source.asm", source);
+    files.add("sink.asm", sink);
+    files.add(
+        "main.toml",
+        format!(
+            "schema = \"composite/1\"
+[composite]
+name = \"pairs\"
+[components.Source]
+for = \"$n in 1..12\"
+implementation = {{ asm = \"source.asm\" }}
+task = {{ period_ms = 100 }}
+publish = {{ level = \"std_msgs/Int64\" }}
+rename = {{ level = \"pair$n/level\" }}
+bind.out = {{ level = {{ topic = \"level\", field = \"data\" }} }}
+[components.Sink]
+for = \"$n in 1..12\"
+implementation = {{ asm = \"sink.asm\" }}
+task = {{ period_ms = 100 }}
+subscribe = {{ level = \"std_msgs/Int64\" }}
+rename = {{ level = \"pair$n/level\" }}
+bind.monitored = {{ level = {{ topic = \"level\", map = \"data\", none = 0 }} }}
+{more}"
+        ),
+    );
+    dot_of("main.toml", &files, instances)
+}
+
+#[test]
+fn instances_are_drawn_as_one() {
+    insta::assert_snapshot!("instances.dot", pairs("", Instances::Folded));
+    let each = pairs("", Instances::Each);
+    assert_eq!(each.matches("shape=record").count(), 24, "{each}");
+}
+
+/// A sink that reads another topic as well is drawn by itself, with its source and its topic.
+#[test]
+fn an_instance_with_a_connection_of_its_own_is_not_folded() {
+    let more = "[components.Observer]
+implementation = { asm = \"sink.asm\" }
+task = { period_ms = 100 }
+subscribe = { level = \"std_msgs/Int64\" }
+rename = { level = \"pair7/level\" }
+bind.monitored = { level = { topic = \"level\", map = \"data\", none = 0 } }
+";
+    insta::assert_snapshot!("instances_and_another.dot", pairs(more, Instances::Folded));
+}
+
+#[test]
+fn the_instances_of_a_nested_composite_are_one_frame() {
+    insta::assert_snapshot!("fleet.dot", drawn("fleet/fleet.composite.toml")[0]);
 }
