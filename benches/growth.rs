@@ -25,6 +25,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use asmotion_assembly::{CoordinatorOptions, Standard};
+use asmotion_coordinator::StepRecord;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms};
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, NoInputs, Specification};
@@ -95,6 +96,14 @@ const ROWS: &[Row] = &[
         units: |size| size,
     },
     Row {
+        name: "records",
+        unit: "record of a step, for each rule with two updates",
+        sizes: [100, 300, 1_000, 3_000],
+        limit: 0.05,
+        work: recorded,
+        units: |size| size,
+    },
+    Row {
         name: "components",
         unit: "cycle in virtual time",
         sizes: [10, 100, 1_000, 10_000],
@@ -156,6 +165,17 @@ fn rules(size: u64) -> String {
         "asm growth\nimport StandardLibrary\nsignature:\n{declared}definitions:\n{rules}  main rule r_Main = par\n{calls}  endpar\n\
          default init s0:\n{initial}"
     )
+}
+
+/// Records a step in which the rules of so many agents make updates.
+fn recorded(size: u64, times: u64) {
+    let specification = open(&rules(size));
+    let mut machine = specification.machine().unwrap();
+    let chooser = &mut Seeded::new(7);
+    machine.step(&mut NoInputs, chooser, 0).unwrap();
+    for _ in 0..times {
+        drop(StepRecord::of(&specification, &machine, &machine.last_step()));
+    }
 }
 
 fn compiled(size: u64, times: u64) {
