@@ -25,8 +25,8 @@ use std::process::Command;
 use std::time::Duration;
 
 use asmotion_assembly::{CoordinatorOptions, Standard};
-use asmotion_coordinator::StepRecord;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms};
+use asmotion_coordinator::StepRecord;
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, NoInputs, Specification};
 use asmotion_runtime::Run;
@@ -174,7 +174,11 @@ fn recorded(size: u64, times: u64) {
     let chooser = &mut Seeded::new(7);
     machine.step(&mut NoInputs, chooser, 0).unwrap();
     for _ in 0..times {
-        drop(StepRecord::of(&specification, &machine, &machine.last_step()));
+        drop(StepRecord::of(
+            &specification,
+            &machine,
+            &machine.last_step(),
+        ));
     }
 }
 

@@ -116,7 +116,14 @@ mod tests {
     /// Compares every offset of a text, and some beyond it, with lines and columns that are counted from its beginning.
     #[test]
     fn positions_are_those_that_are_counted_from_the_beginning() {
-        let texts = ["", "\n", "one", "one\n", "one\n\ntwo\r\n", "ä\nö€\n\u{1F916}x"];
+        let texts = [
+            "",
+            "\n",
+            "one",
+            "one\n",
+            "one\n\ntwo\r\n",
+            "ä\nö€\n\u{1F916}x",
+        ];
         for text in texts {
             let mut sources = Sources::new();
             let file = sources.add("some.asm", text);

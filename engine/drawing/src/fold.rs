@@ -73,7 +73,13 @@ impl Families {
             for (end, other, leaves) in [(from, to, true), (to, from, false)] {
                 let family = self.nodes.get(other.node).copied();
                 if let Some(all) = neighbours.get_mut(end.node) {
-                    all.insert((leaves, end.port, family, other.port, *kind == EdgeKind::Call));
+                    all.insert((
+                        leaves,
+                        end.port,
+                        family,
+                        other.port,
+                        *kind == EdgeKind::Call,
+                    ));
                 }
             }
         }
@@ -188,7 +194,13 @@ impl Folds {
             let (Some(from), Some(to)) = (end(from), end(to)) else {
                 continue;
             };
-            if known.insert((from.node, from.port, to.node, to.port, kind == EdgeKind::Call)) {
+            if known.insert((
+                from.node,
+                from.port,
+                to.node,
+                to.port,
+                kind == EdgeKind::Call,
+            )) {
                 edges.push(PictureEdge { from, to, kind });
             }
         }
@@ -238,7 +250,9 @@ impl Groups {
         let Some(member) = members.get(index) else {
             return index;
         };
-        let parent = member.parent.map(|it| frames.get(it).copied().unwrap_or(it));
+        let parent = member
+            .parent
+            .map(|it| frames.get(it).copied().unwrap_or(it));
         let group = self.0.get(&(parent, member.family));
         let group = group.map_or(&[][..], Vec::as_slice);
         let first = group.first().copied().unwrap_or(index);
