@@ -36,7 +36,7 @@ pub(super) fn check(scene: &CheckedComposite<'_>, report: &mut Report) {
                 it.topic == topic && it.path == path && it.entry.direction.value == direction
             });
             for words in same {
-                compare(words, &function, direction, report);
+                compare(words, function, direction, report);
             }
         }
     }

@@ -76,7 +76,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
         Source::Value(node) => {
             let is_text = matches!(&node.value, Branch::Text(text) if text.contains("${"));
             if let Some(function) = function.filter(|_| !is_text) {
-                value(&function, node, report);
+                value(function, node, report);
             }
             return;
         }
@@ -117,7 +117,6 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
         return;
     }
     if let Some(message) = &message {
-        let function = function;
         field(bound, function, name, message, (path, &selected), report);
     }
 }
