@@ -44,6 +44,7 @@ pub fn describe(error: &ModelError) -> String {
         ModelError::NoMainRule(_)
         | ModelError::NoComponent(_)
         | ModelError::NoFunction { .. }
+        | ModelError::OutcomesBesideValues { .. }
         | ModelError::Annotation { .. }
         | ModelError::Unbounded { .. }
         | ModelError::UpdatedParameter { .. }

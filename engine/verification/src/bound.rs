@@ -11,6 +11,9 @@ use asmotion_coordinator::{
 use asmotion_datum::Datum;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The term without a value.
+const UNDEF: &str = "undef";
+
 /// A location with the elements of the variables in its name.
 struct NamedLocation {
     location: String,
@@ -30,7 +33,8 @@ impl BindingReader<'_> {
     /// Returns the inputs and outputs.
     ///
     /// # Errors
-    /// A binding names a function that the specification does not declare.
+    /// A binding names a function that the specification does not declare, or an input has outcomes of calls beside values of
+    /// another kind.
     pub fn read(
         &self,
         binding: &Binding,
@@ -43,18 +47,44 @@ impl BindingReader<'_> {
         for out in &binding.out {
             outputs.extend(self.outputs(out)?);
         }
-        let known: BTreeSet<String> = inputs.iter().map(|it| it.location.clone()).collect();
         let events: BTreeSet<&String> =
             binding.calls().filter_map(|it| it.event.as_ref()).collect();
         for event in events {
             let name = LocationName::from(event.as_str());
             for named in self.locations(&name)? {
-                if !known.contains(&named.location) {
-                    inputs.push(outcomes_only(named));
+                let bound = inputs.iter_mut().find(|it| it.location == named.location);
+                match bound {
+                    Some(input) => self.add_outcomes(input)?,
+                    None => inputs.push(outcomes_only(named)),
                 }
             }
         }
         Ok((inputs, outputs))
+    }
+
+    /// Makes an input that has a binding take outcomes of calls as well.
+    fn add_outcomes(&self, input: &mut ActorInput) -> Result<(), ModelError> {
+        match (&input.origin, input.receive) {
+            // the value between two outcomes
+            (InputOrigin::Value(value), _) => {
+                input.none = (value != UNDEF).then(|| value.clone());
+                input.origin = InputOrigin::Calls;
+                input.receive = Receive::All;
+                Ok(())
+            }
+            (InputOrigin::Timer(_), _)
+            | (InputOrigin::Port(_) | InputOrigin::Request { .. }, Receive::Last) => {
+                Err(ModelError::OutcomesBesideValues {
+                    component: self.component.to_owned(),
+                    location: input.location.clone(),
+                })
+            }
+            // outcomes are queued together with messages, or have no effect
+            (InputOrigin::Calls | InputOrigin::Losses, _)
+            | (InputOrigin::Port(_) | InputOrigin::Request { .. }, Receive::All | Receive::Edge) => {
+                Ok(())
+            }
+        }
     }
 
     fn inputs(&self, monitored: &Monitored) -> Result<Vec<ActorInput>, ModelError> {
@@ -69,7 +99,7 @@ impl BindingReader<'_> {
             let none = monitored.none.as_ref().and_then(constant);
             let stale = monitored.stale_ms.map(|_| {
                 let value = monitored.on_stale.as_ref().and_then(constant);
-                value.unwrap_or_else(|| "undef".to_owned())
+                value.unwrap_or_else(|| UNDEF.to_owned())
             });
             let origin = match &monitored.from {
                 Source::Port(port) => InputOrigin::Port(port.clone()),
@@ -82,7 +112,7 @@ impl BindingReader<'_> {
                 }
                 Source::Losses(_) => InputOrigin::Losses,
                 Source::Value(value) => {
-                    InputOrigin::Value(constant(value).unwrap_or_else(|| "undef".to_owned()))
+                    InputOrigin::Value(constant(value).unwrap_or_else(|| UNDEF.to_owned()))
                 }
             };
             ActorInput {

@@ -29,6 +29,17 @@ pub enum ModelError {
         /// Location as written.
         location: String,
     },
+    /// An input takes outcomes of calls and the newest message or a timer.
+    #[error(
+        "`{location}` of `{component}` takes outcomes of calls beside the newest message or a timer, which is not modelled: \
+         bind a function of its own to the outcomes"
+    )]
+    OutcomesBesideValues {
+        /// Name of the component.
+        component: String,
+        /// Location in the specification of the whole.
+        location: String,
+    },
     /// An annotation of a protocol is not understood, or names something that the component does not have.
     #[error("protocol of `{component}`: {problem}")]
     Annotation {

@@ -12,6 +12,7 @@ mod composites;
 mod conformance;
 mod disorder;
 mod mutants;
+mod outcomes;
 mod queues;
 mod scenarios;
 mod support;
