@@ -120,10 +120,14 @@ fn erase() -> OperationDeclaration {
 /// Codes without an example on their page, because they need many or large files.
 const WITHOUT_EXAMPLE: &[&str] = &["C081", "C082", "C112", "C116"];
 
+/// Codes about folders of definitions, which the tables here do not read; `ros_folders` has examples.
+const ABOUT_FOLDERS: &[&str] = &["C175"];
+
 #[test]
 fn pages_have_examples_that_are_true() {
     let mut wrong = String::new();
-    for code in &[asmotion_composite::CODES, asmotion_plan::CODES].concat() {
+    let codes = [asmotion_composite::CODES, asmotion_plan::CODES].concat();
+    for code in codes.iter().filter(|it| !ABOUT_FOLDERS.contains(&it.name)) {
         let examples = (found(code, "toml wrong"), found(code, "toml corrected"));
         let (Some(before), Some(after)) = examples else {
             let excused = WITHOUT_EXAMPLE.contains(&code.name);
