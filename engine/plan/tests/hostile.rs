@@ -141,6 +141,26 @@ fn it_refuses_composites_that_multiply() {
     shown("composites_that_multiply", &opened);
 }
 
+/// Exactly as many components as the limit allows, and one more.
+#[test]
+fn the_number_of_components_is_bounded() {
+    for (rest, refused) in [
+        ("", false),
+        (
+            "[components.Last]\nimplementation = { process = \"c\" }\n",
+            true,
+        ),
+    ] {
+        let mut files = MemoryFiles::new();
+        let text = format!(
+            "{HEAD}[components.C]\nfor = \"$n in 1..10000\"\nimplementation = {{ process = \"c\" }}\n{rest}"
+        );
+        files.add("main.toml", text);
+        let opened = open(&files);
+        assert_eq!(codes(&opened).contains(&"C082"), refused, "{rest}");
+    }
+}
+
 #[test]
 fn it_refuses_types_that_multiply() {
     let mut types = "schema = \"composite-types/1\"\n".to_owned();

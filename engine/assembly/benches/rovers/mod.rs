@@ -1,7 +1,5 @@
 //! Composites of any number of coordinators with one specification, to measure cost against size.
 
-use std::fmt::Write;
-
 use asmotion_composite::Tables;
 use asmotion_datum::{Message, Schema};
 
@@ -66,23 +64,21 @@ pub const BUILD: Tables = Tables {
     ros: None,
 };
 
-/// A composite of so many coordinators.
+/// A composite of so many coordinators, which are instances of one element.
 pub fn composite(components: usize) -> String {
-    let mut text = "schema = \"composite/1\"\n[composite]\nname = \"fleet\"\n".to_owned();
-    for number in 1..=components {
-        write!(
-            text,
-            "[components.Rover{number}]
+    format!(
+        "schema = \"composite/1\"
+[composite]
+name = \"fleet\"
+[components.Rover]
+for = \"$n in 1..{components}\"
 implementation = {{ asm = \"rover.asm\" }}
 task = {{ period_ms = 100 }}
 subscribe = {{ arrived = \"bench/Flag\" }}
 publish = {{ command = \"bench/Mode\", resting = \"bench/Flag\" }}
-rename = {{ arrived = \"r{number}/arrived\", command = \"r{number}/command\", resting = \"r{number}/arrived\" }}
+rename = {{ arrived = \"r$n/arrived\", command = \"r$n/command\", resting = \"r$n/arrived\" }}
 bind.monitored = {{ arrived = {{ topic = \"arrived\", map = \"data\", none = false }} }}
 bind.out = {{ command = {{ topic = \"command\", field = \"data\" }}, resting = {{ topic = \"resting\", field = \"data\" }} }}
 "
-        )
-        .unwrap();
-    }
-    text
+    )
 }

@@ -161,7 +161,9 @@ impl<'p> Flattener<'p, '_> {
     }
 
     fn component(&mut self, index: usize, member: &'p Member, component: &'p model::Component) {
-        if self.plan.components.len() + self.instances.len() >= MAX_COMPONENTS {
+        // the outermost composite is no component
+        let nested = self.instances.len().saturating_sub(1);
+        if self.plan.components.len() + nested >= MAX_COMPONENTS {
             if !self.full {
                 self.notes.found(TooManyComponents {
                     at: component.name.span,
