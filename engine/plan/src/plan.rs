@@ -69,8 +69,12 @@ impl Plan {
             .find(|component| component.name == name)
     }
 
-    /// Returns the process of a component; `None` if the component is unknown.
+    /// Returns the process of a component of the plan; `None` if the component is unknown and there are several processes.
     pub fn process_of(&self, component: &str) -> Option<&Process> {
+        // thousands of components are usually in one process, and each of them asks
+        if let [only] = self.processes.as_slice() {
+            return Some(only);
+        }
         let mut processes = self.processes.iter();
         processes.find(|process| process.components.iter().any(|it| it == component))
     }

@@ -33,6 +33,9 @@ impl Plan {
 
     /// Returns the broker of a component; `None` if it has none.
     pub fn broker_of(&self, component: &str) -> Option<&str> {
+        if self.brokers.is_empty() {
+            return None;
+        }
         let named = |it: &'_ Component| it.pace.broker.is_some();
         match (self.components.iter().any(named), &*self.brokers) {
             (true, _) => self.component(component)?.pace.broker.as_deref(),

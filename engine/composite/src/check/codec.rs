@@ -54,6 +54,9 @@ fn broker<'s>(
     component: Option<&str>,
 ) -> Option<(&'s Broker, &'s At<Codec>)> {
     let composite = scene.composite;
+    if composite.brokers.iter().all(|it| it.codec.is_none()) {
+        return None;
+    }
     let component = component.and_then(|name| composite.component(name));
     let home = component.and_then(|component| composite.broker_of(component));
     let is_home = |it: &&Broker| home.is_none_or(|home| home.value == it.name.value);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use asmotion_component::HEALTH_TOPIC;
 
 use super::Flattener;
+use crate::component::Port;
 use crate::joint::Topic;
 use crate::plan::{End, Terminal};
 use asmotion_composite::check;
@@ -37,34 +38,8 @@ impl Flattener<'_, '_> {
     /// Collects the topics used by ports and connections.
     pub(super) fn topics(&mut self, composite: &Composite) {
         let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
-        let mut roles: Vec<(String, End, bool)> = Vec::new();
-        for component in &self.plan.components {
-            for (ports, writes) in [(&component.inputs, false), (&component.outputs, true)] {
-                for port in ports {
-                    if let Some(topic) = &port.topic {
-                        let (component, name) = (component.name.clone(), port.name.clone());
-                        roles.push((topic.clone(), End { component, name }, writes));
-                    }
-                }
-            }
-        }
-        for connection in &self.plan.connections {
-            match (&connection.from, &connection.to) {
-                (Terminal::Port(end), Terminal::Topic(topic)) => {
-                    roles.push((topic.clone(), end.clone(), true));
-                }
-                (Terminal::Topic(topic), Terminal::Port(end)) => {
-                    roles.push((topic.clone(), end.clone(), false));
-                }
-                // the others do not involve topics; connections between topics are rejected by the checker
-                (Terminal::Port(_), Terminal::Port(_))
-                | (Terminal::Mqueue(_), _)
-                | (_, Terminal::Mqueue(_))
-                | (Terminal::Topic(_), Terminal::Topic(_)) => {}
-            }
-        }
-        for (name, end, writes) in roles {
-            let kind = self.kind(&end, writes);
+        for role in self.topic_roles() {
+            let (name, end) = (role.topic, role.end);
             let topic = topics.entry(name.clone()).or_insert_with(|| Topic {
                 name: name.clone(),
                 kind: None,
@@ -79,8 +54,8 @@ impl Flattener<'_, '_> {
                 publishers: Vec::new(),
                 subscribers: Vec::new(),
             });
-            topic.kind = topic.kind.take().or(kind);
-            if writes {
+            topic.kind = topic.kind.take().or(role.kind);
+            if role.writes {
                 topic.publishers.push(end)
             } else {
                 topic.subscribers.push(end)
@@ -96,6 +71,48 @@ impl Flattener<'_, '_> {
         }
         self.sending(&mut topics);
         self.plan.topics = topics.into_values().collect();
+    }
+
+    /// The ports that write to topics and read them: those of components, then those of connections.
+    fn topic_roles(&self) -> Vec<TopicRole> {
+        let mut roles: Vec<TopicRole> = Vec::new();
+        for component in &self.plan.components {
+            for (ports, writes) in [(&component.inputs, false), (&component.outputs, true)] {
+                for port in ports {
+                    if let Some(topic) = &port.topic {
+                        let (component, name) = (component.name.clone(), port.name.clone());
+                        roles.push(TopicRole {
+                            topic: topic.clone(),
+                            kind: message_kind(port),
+                            end: End { component, name },
+                            writes,
+                        });
+                    }
+                }
+            }
+        }
+        let role = |topic: &String, end: &End, writes| TopicRole {
+            topic: topic.clone(),
+            kind: self.kind(end, writes),
+            end: end.clone(),
+            writes,
+        };
+        for connection in &self.plan.connections {
+            match (&connection.from, &connection.to) {
+                (Terminal::Port(end), Terminal::Topic(topic)) => {
+                    roles.push(role(topic, end, true));
+                }
+                (Terminal::Topic(topic), Terminal::Port(end)) => {
+                    roles.push(role(topic, end, false));
+                }
+                // the others do not involve topics; connections between topics are rejected by the checker
+                (Terminal::Port(_), Terminal::Port(_))
+                | (Terminal::Mqueue(_), _)
+                | (_, Terminal::Mqueue(_))
+                | (Terminal::Topic(_), Terminal::Topic(_)) => {}
+            }
+        }
+        roles
     }
 
     /// Applies the topic settings of all composites; the outer composite takes precedence for shared topics.
@@ -123,7 +140,19 @@ impl Flattener<'_, '_> {
         } else {
             &component.inputs
         };
-        let port = ports.iter().find(|port| port.name == end.name)?;
-        (!port.kind.is_empty()).then(|| port.kind.clone())
+        message_kind(ports.iter().find(|port| port.name == end.name)?)
     }
+}
+
+/// A port that writes to a topic or reads it.
+struct TopicRole {
+    topic: String,
+    kind: Option<String>,
+    end: End,
+    writes: bool,
+}
+
+/// The message type of a port; `None` if it is not known.
+fn message_kind(port: &Port) -> Option<String> {
+    (!port.kind.is_empty()).then(|| port.kind.clone())
 }
