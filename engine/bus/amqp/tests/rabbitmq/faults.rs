@@ -27,6 +27,10 @@ fn survives(fault: impl FnOnce(&asmotion_broker::TestBroker, &AmqpBus)) -> Optio
     for n in 0..500 {
         events.publish(0, number(n)).unwrap();
     }
+    // a publisher of which no message has arrived anywhere does not wait for the reader after the fault
+    eventually("the first message has arrived", || {
+        events.counts().accepted > 0
+    });
     fault(&broker, &writer);
     let ended = Instant::now();
     for n in 500..1000 {
