@@ -678,15 +678,17 @@ fn without_unread(mut report: Report, loaded: &LoadedFiles, sources: &Sources) -
 /// Number of further places of an unknown name that are shown.
 const SHOWN_PLACES: usize = 3;
 
-/// Merges the findings about one undeclared name in a file: the first one shows the other places.
+/// Merges the findings about one undeclared name in a file: the first one shows the other places. Those with different ways out
+/// stay apart: `G` means another operator in an invariant than in LTL.
 fn each_name_once(mut report: Report) -> Report {
     let place = |finding: &Diagnostic| finding.primary.as_ref().map(|label| label.span);
     report.diagnostics.sort_by_key(place);
-    let mut first: BTreeMap<(&str, String, FileId), usize> = BTreeMap::new();
+    let mut first: BTreeMap<(&str, String, FileId, Vec<String>), usize> = BTreeMap::new();
     let mut merged: Vec<(Diagnostic, usize)> = Vec::new();
     for finding in report.diagnostics {
         if let Some(at) = place(&finding).filter(|_| finding.is_any(NAMES)) {
-            let name = (finding.code.name, finding.message.clone(), at.file);
+            let (message, helps) = (finding.message.clone(), finding.helps.clone());
+            let name = (finding.code.name, message, at.file, helps);
             let known = *first.entry(name).or_insert(merged.len());
             if let Some((known, others)) = merged.get_mut(known) {
                 if place(known) != Some(at) {
