@@ -1,20 +1,28 @@
 //! Observes and controls a system over the in-process bus.
 
 use std::sync::{Arc, mpsc};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use asmotion_bus::{Bus, LocalBus, Payload, PublishOptions, SenderId};
 use asmotion_component::{CallError, SendStatus, State, Transition};
 use asmotion_datum::{Datum, Numbers, Schema};
 use asmotion_remote::{
     OrderErrorCode, PRESENCE, Presence, PresentComponent, PresentOperation, PresentService, Remote,
-    RemoteError, key, presence_topic,
+    RemoteComponent, RemoteError, key, presence_topic,
 };
 
 use crate::driver::{Joints, LONG_WAY, joints, open};
 use crate::robot::Robot;
 
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Waits for a property that has been set: it has its value from the next cycle on.
+fn await_scale(driver: &RemoteComponent, scale: f64) {
+    let set = Instant::now();
+    while driver.get("scale") != Ok(scale) {
+        assert!(set.elapsed() < PATIENCE, "{:?}", driver.get::<f64>("scale"));
+    }
+}
 
 fn datum(joints: &Joints) -> Datum {
     Datum::of(joints).expect("data")
@@ -56,7 +64,7 @@ fn j7_two_systems_in_one_process() {
         .each_ref()
         .map(|robot| robot.remote().component("Driver").expect("a component"));
     drivers[0].set("scale", 3.0).expect("a property");
-    assert_eq!(drivers[0].get::<f64>("scale"), Ok(3.0));
+    await_scale(&drivers[0], 3.0);
     assert_eq!(drivers[1].get::<f64>("scale"), Ok(1.0));
 }
 
@@ -157,7 +165,7 @@ fn j16_properties_are_got_and_set_all_or_none() {
     let robot = Robot::start();
     let driver = robot.remote().component("Driver").expect("a component");
     driver.set("scale", 0.5).expect("a property");
-    assert_eq!(driver.get::<f64>("scale"), Ok(0.5));
+    await_scale(&driver, 0.5);
     let both = vec![
         ("scale".to_owned(), Datum::Float(2.0)),
         ("scael".to_owned(), Datum::Float(2.0)),
