@@ -17,6 +17,7 @@ use std::collections::BTreeSet;
 
 impl Prepared {
     /// Returns the inputs that any property mentions.
+    #[cfg(feature = "symbolic")]
     pub fn all_inputs(&self) -> InputFunctions {
         let of_properties = self.properties.iter().flat_map(|it| &it.inputs);
         let others = self.common_inputs.iter().chain(&self.end_inputs);
