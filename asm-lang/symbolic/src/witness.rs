@@ -13,9 +13,9 @@ use asmotion_lang::ir::{FunctionId, Slot};
 pub struct SymbolicInput {
     /// The monitored function.
     pub function: FunctionId,
-    /// Its arguments.
+    /// Arguments of the function.
     pub arguments: Vec<Value>,
-    /// The value.
+    /// Value that the environment gives the location.
     pub value: Value,
 }
 

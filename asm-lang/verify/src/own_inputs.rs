@@ -24,7 +24,7 @@ impl Prepared {
         of_properties.chain(others).copied().collect()
     }
 
-    /// Returns the indices of the properties that have to be verified alone, if nodes are told apart by these inputs. `has_ends` is
+    /// Returns the indices of the properties that have to be verified alone, if these inputs distinguish nodes. `has_ends` is
     /// `true` if runs end for some inputs.
     pub fn verified_alone(
         &self,
@@ -44,7 +44,7 @@ impl Prepared {
         indices.filter(is_alone).collect()
     }
 
-    /// Returns `true` if nodes are told apart by inputs that a property does not mention. Of a function with arguments, it may mention
+    /// Returns `true` if inputs that a property does not mention distinguish nodes. Of a function with arguments, it may mention
     /// other locations than the rest.
     fn has_other_inputs(
         &self,

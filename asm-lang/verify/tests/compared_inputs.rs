@@ -515,7 +515,7 @@ default init s0:
             "{rule}"
         );
     }
-    // positions of a sequence are told apart in any case
+    // positions of a sequence are distinct in any case
     let sequence = "forall $x in [left, right] with $x > 5 do n := 2";
     let verification = verified(&text(sequence), &Options::default());
     assert_eq!(verification.represented[0].values.len(), 3);

@@ -9,7 +9,7 @@ use crate::conversion::Conversion;
 #[error("{}{problem}", location(.path))]
 pub struct SchemaMisfit {
     path: String,
-    /// What was expected, and what was found instead.
+    /// The expected and the actual value, as text.
     problem: String,
 }
 
