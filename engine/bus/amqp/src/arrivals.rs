@@ -5,11 +5,13 @@
 //! only be bounded. A message that was in the queue when the subscription began to consume it again was sent after the last one
 //! whose acknowledgement the broker has certainly read. A message that arrives while the broker's answers to the probes of the
 //! connection are late may have waited since the last probe that was answered: in the broker, in a socket, or in this process
-//! while it was stopped. That ends with the messages that were in the queue when the broker answered on the channel.
+//! while it was stopped. That ends with the messages that were in the queue when the broker answered on the channel. The late
+//! answer itself can overtake messages on their way through the client, so they are counted once more when it has come.
 
 use std::time::{Duration, Instant};
 
 use crate::duplicate_filter::DuplicateFilter;
+use crate::link::ProbeAnswers;
 use crate::wire::MessageIdentity;
 
 /// Messages that may have waited, as long as the subscription lasts.
@@ -23,6 +25,8 @@ pub(crate) struct Arrivals {
     unconfirmed: Instant,
     /// Time of an acknowledgement, and the time before which no later message was sent.
     acknowledged: Option<(Instant, Instant)>,
+    /// The answers that the last message was compared with.
+    answers: ProbeAnswers,
     backlog: Backlog,
 }
 
@@ -45,12 +49,14 @@ impl Arrivals {
             last: now,
             unconfirmed: now,
             acknowledged: None,
+            answers: ProbeAnswers::beginning_at(now),
             backlog: Backlog { since, left },
         }
     }
 
-    /// Called when the queue is consumed again, with the number of messages in it.
-    pub(crate) fn begin_session(&mut self, backlog: u32, now: Instant) {
+    /// Called when the queue is consumed again, with the number of messages in it and the answers on its connection so far.
+    pub(crate) fn begin_session(&mut self, backlog: u32, answers: ProbeAnswers, now: Instant) {
+        self.answers = answers;
         if backlog == 0 {
             self.unconfirmed = now;
         }
@@ -66,28 +72,37 @@ impl Arrivals {
         self.acknowledged.get_or_insert((now, self.last));
     }
 
-    /// Called before messages are judged, with the time at which the last answered probe was sent. Returns whether that is
-    /// longer ago than `limit`, so that an unknown number of messages may have waited: then they have to be counted, after which
+    /// Called before messages are judged, and after a silence. Returns whether answers are, or were, late by `limit`, so that an
+    /// unknown number of messages may have waited: then they have to be counted from now on, after which
     /// [`limit_backlog`](Self::limit_backlog) is called.
-    pub(crate) fn compare_with_probe(
+    pub(crate) fn compare_with_answers(
         &mut self,
-        answered_probe: Instant,
+        answers: ProbeAnswers,
         limit: Duration,
         now: Instant,
     ) -> bool {
+        let before = std::mem::replace(&mut self.answers, answers);
         if let Some((at, last)) = self.acknowledged
-            && at <= answered_probe
+            && at <= answers.last
         {
             self.unconfirmed = last;
             self.acknowledged = None;
         }
-        if now.duration_since(answered_probe) <= limit || self.backlog.left.is_none() {
-            return false;
-        }
+        let ended = match answers.silences.saturating_sub(before.silences) {
+            0 => None,
+            1 => Some(answers.before_silence),
+            _ => Some(answers.before_silence.min(before.last)),
+        };
+        let lasting = (now.duration_since(answers.last) > limit).then_some(answers.last);
+        let since = match (ended, lasting) {
+            (Some(ended), _) => ended,
+            (None, Some(lasting)) if self.backlog.left.is_some() => lasting,
+            (None, _) => return false,
+        };
         let since = if self.backlog.left == Some(0) {
-            answered_probe
+            since
         } else {
-            self.backlog.since.min(answered_probe)
+            self.backlog.since.min(since)
         };
         self.backlog = Backlog { since, left: None };
         true
@@ -146,10 +161,28 @@ mod tests {
             self.origin + Duration::from_millis(ms)
         }
 
-        /// Compares with the probe that was sent at `probe`.
+        /// Compares with the answer to the probe that was sent at `probe`, which came just now or long ago.
         fn compare(&mut self, probe: u64, now: u64) -> bool {
             let (probe, now) = (self.at(probe), self.at(now));
-            self.arrivals.compare_with_probe(probe, LIMIT, now)
+            let last = probe;
+            let answers = ProbeAnswers {
+                last,
+                ..self.arrivals.answers
+            };
+            self.arrivals.compare_with_answers(answers, LIMIT, now)
+        }
+
+        /// Compares with the answer to the probe that was sent at `probe` and has just come, after a silence.
+        fn compare_after_silence(&mut self, probe: u64, now: u64) -> bool {
+            let (probe, now) = (self.at(probe), self.at(now));
+            let mut answers = self.arrivals.answers;
+            assert!(answers.record(probe, LIMIT, now));
+            self.arrivals.compare_with_answers(answers, LIMIT, now)
+        }
+
+        fn begin_session(&mut self, backlog: u32, at: u64) {
+            let (answers, begun) = (self.arrivals.answers, self.at(at));
+            self.arrivals.begin_session(backlog, answers, begun);
         }
 
         /// The longest possible wait in ms of a message without identity that arrives now.
@@ -190,6 +223,27 @@ mod tests {
     }
 
     #[test]
+    fn an_answer_that_overtakes_messages_makes_them_no_younger() {
+        let mut it = Subscription::new();
+        assert!(!it.compare(250, 300));
+        assert_eq!(it.unmarked(300), 0);
+        // the process was stopped until 5000; the answers to two probes have come when the first of the waiting messages does
+        assert!(it.compare_after_silence(5001, 5003));
+        assert!(!it.compare(5100, 5110));
+        assert_eq!(it.unmarked(5110), 4860);
+        it.arrivals.limit_backlog(1);
+        assert_eq!((it.unmarked(5111), it.unmarked(5111)), (4861, 0));
+        // it was silent before the answer as well: the messages are counted again, because the broker may have counted too early
+        assert!(it.compare(5100, 9000));
+        it.arrivals.limit_backlog(0);
+        assert!(it.compare_after_silence(9001, 9003));
+        assert_eq!(it.unmarked(9004), 3904);
+        // nothing had waited
+        it.arrivals.limit_backlog(0);
+        assert_eq!(it.unmarked(9500), 0);
+    }
+
+    #[test]
     fn a_stream_that_is_known_shows_its_own_times() {
         let mut it = Subscription::new();
         assert_eq!(it.numbered(1, 100, 105), 0);
@@ -212,16 +266,13 @@ mod tests {
         it.arrivals.record_acknowledgement(acknowledged);
         // the link is lost twice; the last message may come again each time
         for session in [9000, 10_000] {
-            let begun = it.at(session);
-            it.arrivals.begin_session(3, begun);
+            it.begin_session(3, session);
             assert_eq!(it.unmarked(session), u128::from(session) - 100);
         }
         // a queue that was empty
-        let begun = it.at(11_000);
-        it.arrivals.begin_session(0, begun);
+        it.begin_session(0, 11_000);
         assert_eq!(it.unmarked(11_001), 0);
-        let begun = it.at(12_000);
-        it.arrivals.begin_session(1, begun);
+        it.begin_session(1, 12_000);
         assert_eq!((it.unmarked(12_001), it.unmarked(12_001)), (1001, 0));
     }
 }

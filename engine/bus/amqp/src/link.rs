@@ -31,8 +31,20 @@ const POISON: usize = 8;
 pub(crate) struct ConnectionPair {
     pub publishers: Connection,
     pub consumers: Connection,
-    /// Time at which the last probe that the broker has answered was sent on the consumers' connection.
-    answered_probe: Mutex<Instant>,
+    /// The broker's answers on the consumers' connection.
+    answers: watch::Sender<ProbeAnswers>,
+}
+
+/// The broker's answers to the probes of a consumers' connection.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ProbeAnswers {
+    /// Time at which the last probe that the broker has answered was sent. The broker sent everything that arrives now after that
+    /// time, but what arrived earlier may still be on its way through the client.
+    pub last: Instant,
+    /// Number of answers that came late: after a silence of the broker or the link, or after this process was stopped.
+    pub silences: u64,
+    /// Time at which the probe was sent that was the last answered one before the last silence.
+    pub before_silence: Instant,
 }
 
 /// State of the link as its tasks see it.
@@ -286,31 +298,48 @@ impl Link {
     }
 }
 
+impl ProbeAnswers {
+    /// Nothing was on its way at this time.
+    pub(crate) fn beginning_at(now: Instant) -> Self {
+        Self {
+            last: now,
+            silences: 0,
+            before_silence: now,
+        }
+    }
+
+    /// Records that the broker has now answered a probe that was sent at `sent_at`. Returns whether that ends a silence.
+    pub(crate) fn record(&mut self, sent_at: Instant, limit: Duration, now: Instant) -> bool {
+        let is_late = now.saturating_duration_since(self.last) > limit;
+        if is_late {
+            self.silences += 1;
+            self.before_silence = self.last;
+        }
+        self.last = sent_at;
+        is_late
+    }
+}
+
 impl ConnectionPair {
     /// A pair that has just been opened.
     pub(crate) fn new(publishers: Connection, consumers: Connection) -> Self {
         Self {
             publishers,
             consumers,
-            answered_probe: Mutex::new(Instant::now()),
+            answers: watch::Sender::new(ProbeAnswers::beginning_at(Instant::now())),
         }
     }
 
-    /// Returns the time at which the last probe that the broker has answered was sent on the consumers' connection. The broker
-    /// sent everything that arrives now after that time.
-    pub(crate) fn last_answered_probe(&self) -> Instant {
-        *self
-            .answered_probe
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+    /// The answers so far. A change is a silence that has ended.
+    pub(crate) fn answers(&self) -> watch::Receiver<ProbeAnswers> {
+        self.answers.subscribe()
     }
 
-    /// Records that the broker has answered a probe that was sent at this time.
-    pub(crate) fn record_answer(&self, sent_at: Instant) {
-        *self
-            .answered_probe
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) = sent_at;
+    /// Records that the broker has answered a probe that was sent at this time. The answer is late if the one before was to a probe
+    /// sent longer than `limit` ago.
+    pub(crate) fn record_answer(&self, sent_at: Instant, limit: Duration) {
+        self.answers
+            .send_if_modified(|answers| answers.record(sent_at, limit, Instant::now()));
     }
 
     /// Closes both connections, with a time limit in case the broker does not respond.

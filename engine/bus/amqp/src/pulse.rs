@@ -36,7 +36,7 @@ pub(crate) async fn watch_connections(link: &Link, pair: &ConnectionPair) -> Str
                 consuming.send();
             }
             () = publishing.receive() => {}
-            deleted = consuming.receive(pair) => if let Some(reason) = deleted {
+            deleted = consuming.receive(pair, timing.unnoticed_wait()) => if let Some(reason) = deleted {
                 return format!("an exchange was deleted: {reason}");
             },
         }
@@ -155,13 +155,13 @@ impl ConsumerPulse {
         });
     }
 
-    /// Waits for a reply. Returns the broker's reason if an exchange does not exist.
-    async fn receive(&mut self, pair: &ConnectionPair) -> Option<String> {
+    /// Waits for a reply, which is late after `limit`. Returns the broker's reason if an exchange does not exist.
+    async fn receive(&mut self, pair: &ConnectionPair, limit: Duration) -> Option<String> {
         tokio::select! {
             reply = self.replies.recv() => if reply.is_some()
                 && let Some(sent_at) = self.sent_at.take()
             {
-                pair.record_answer(sent_at);
+                pair.record_answer(sent_at, limit);
             },
             event = self.events.recv() => match event {
                 Some(BrokerEvent::Closed { reason, .. }) => return Some(reason),

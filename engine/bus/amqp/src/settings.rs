@@ -67,6 +67,14 @@ pub struct AmqpTiming {
     pub drain: Duration,
 }
 
+impl AmqpTiming {
+    /// Longest time that an incoming message can have waited unnoticed: twice the interval of the probes, one of which is always on
+    /// its way.
+    pub(crate) fn unnoticed_wait(&self) -> Duration {
+        2 * self.pulse
+    }
+}
+
 impl Default for AmqpTiming {
     fn default() -> Self {
         Self {

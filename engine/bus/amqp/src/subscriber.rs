@@ -156,7 +156,8 @@ impl SubscriberTask {
         self.take_over(pair).await?;
         let begun = self.declare(&channel).await;
         let begun = begun.map_err(|_| channel::close_reason(&mut words))?;
-        arrivals.begin_session(begun.backlog, now());
+        let mut answers = pair.answers();
+        arrivals.begin_session(begun.backlog, *answers.borrow_and_update(), now());
         let mut messages = begun.messages;
         self.own_queue = None;
         self.ready.report(Ok(()));
@@ -165,8 +166,7 @@ impl SubscriberTask {
         let mut owed = PendingAcknowledgement::default();
         let mut binding = BindingRefresh::new(&channel, self.binding());
         let mut count = BacklogCount::default();
-        // twice the interval of the probes: one of them is always on its way
-        let limit = 2 * link.settings.timing.pulse;
+        let limit = link.settings.timing.unnoticed_wait();
         loop {
             tokio::select! {
                 _ = &mut self.stop => break,
@@ -183,7 +183,7 @@ impl SubscriberTask {
                     let Some(message) = message else {
                         return Err(ChannelError::Cancelled);
                     };
-                    if arrivals.compare_with_probe(pair.last_answered_probe(), limit, now()) {
+                    if arrivals.compare_with_answers(*answers.borrow(), limit, now()) {
                         count.begin(&channel, &self.queue);
                     }
                     owed.last = owed.last.max(self.take_batch(message, &mut messages, arrivals));
@@ -198,6 +198,13 @@ impl SubscriberTask {
                 () = owed.wait_until_due() => {
                     owed.send(&channel).await.map_err(|_| channel::close_reason(&mut words))?;
                     arrivals.record_acknowledgement(now());
+                }
+                // without a message: the next one has not waited, unless it is counted
+                ended = answers.changed() => {
+                    ended.map_err(|_| ChannelError::Lost)?;
+                    if arrivals.compare_with_answers(*answers.borrow(), limit, now()) {
+                        count.begin(&channel, &self.queue);
+                    }
                 }
                 waiting = count.reply() => {
                     let waiting = waiting.map_err(|_| channel::close_reason(&mut words))?;
