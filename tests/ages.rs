@@ -30,6 +30,7 @@ import StandardLibrary
 signature:
 	enum domain Mode = {COUNTING | ARRIVED}
 	monitored command: Integer
+	monitored given: Integer
 	monitored lost: Integer
 	controlled latest: Integer
 	controlled seen: Integer
@@ -38,7 +39,7 @@ signature:
 definitions:
 	main rule r_Main =
 		par
-			if command > 0 and command != latest then par seen := seen + 1 latest := command endpar endif
+			if command > 0 and command != latest and given = 0 then par seen := seen + 1 latest := command endpar endif
 			if lost > 0 then missed := missed + lost endif
 			if seen + missed >= 200 then mode := ARRIVED endif
 		endpar
@@ -75,6 +76,7 @@ activity = {{ period_ms = {period} }}
 ports.in = {{ command = "builtin_interfaces/Time" }}
 [components.Sink.bind.monitored]
 command = {{ topic = "command", receive = "{receive}", field = "sec", none = 0 }}
+given = {{ topic = "command", receive = "{receive}", field = "nanosec", none = 0 }}
 lost = {{ lost = "command" }}
 [[connections]]
 from = "{from}"
@@ -250,6 +252,7 @@ fn a_value_that_is_not_renewed_is_forgotten_by_the_specification_too() {
 import StandardLibrary
 signature:
 	monitored command: Integer
+	monitored given: Integer
 	monitored lost: Integer
 	controlled now: Integer
 definitions:

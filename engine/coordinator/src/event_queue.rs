@@ -2,6 +2,7 @@
 
 use asmotion_component::{BufferKind, Time};
 use asmotion_lang::value::Value;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// Capacity for messages whose connections have no queue of their own, and for outcomes of calls; when full, the oldest is
@@ -16,19 +17,41 @@ pub(crate) struct EventQueue {
     messages: usize,
 }
 
+/// Identifies a message among those of a port or an operation: several functions can be bound to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) struct Arrival {
+    /// Time of the cycle in which it arrived.
+    pub at: Time,
+    /// Position among the messages of this cycle.
+    pub position: usize,
+}
+
+/// What an event that waits for a step is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum EventSource {
+    Message(Arrival),
+    /// The outcome of a call that an update of the out location at this position made.
+    Outcome(usize),
+}
+
 /// An event that waits for a step.
 #[derive(Clone, Debug)]
 pub(crate) struct WaitingEvent {
-    /// Position of the out location whose call it reports on; `None` for a message.
-    pub answers: Option<usize>,
+    pub source: EventSource,
     pub value: Value,
     /// The last time at which the connection of a message allows its use; `None` without a limit.
     pub expiry: Option<Time>,
 }
 
 impl EventQueue {
-    /// Queues a message. Returns how many messages were dropped, according to the queue of the input's connections.
-    pub fn push_message(&mut self, value: Value, expiry: Option<Time>, queue: BufferKind) -> u64 {
+    /// Queues a message. Returns the message that was dropped for it, according to the queue of the input's connections.
+    pub fn push_message(
+        &mut self,
+        value: Value,
+        arrival: Arrival,
+        expiry: Option<Time>,
+        queue: BufferKind,
+    ) -> Option<Arrival> {
         let (size, drops_newest) = match queue {
             BufferKind::Data => (DEFAULT_SIZE, false),
             BufferKind::Buffer(size) => (size, true),
@@ -36,18 +59,16 @@ impl EventQueue {
         };
         let is_full = self.messages >= size.max(1);
         if is_full && drops_newest {
-            return 1;
+            return Some(arrival);
         }
         self.events.push_back(WaitingEvent {
-            answers: None,
+            source: EventSource::Message(arrival),
             value,
             expiry,
         });
         self.messages += 1;
-        if is_full {
-            self.remove_first(WaitingEvent::is_message);
-        }
-        u64::from(is_full)
+        let dropped = is_full.then(|| self.remove_first(WaitingEvent::is_message));
+        dropped.flatten()?.arrival()
     }
 
     /// Queues the outcome of a call that an update of the out location at this position made. Returns how many outcomes were
@@ -55,7 +76,7 @@ impl EventQueue {
     pub fn push_outcome(&mut self, output: usize, value: Value) -> u64 {
         let is_full = self.events.len() - self.messages >= DEFAULT_SIZE;
         self.events.push_back(WaitingEvent {
-            answers: Some(output),
+            source: EventSource::Outcome(output),
             value,
             expiry: None,
         });
@@ -65,10 +86,11 @@ impl EventQueue {
         u64::from(is_full)
     }
 
-    fn remove_first(&mut self, is_one: fn(&WaitingEvent) -> bool) {
+    fn remove_first(&mut self, is_one: fn(&WaitingEvent) -> bool) -> Option<WaitingEvent> {
         let found = self.events.iter().position(is_one);
         let removed = found.and_then(|position| self.events.remove(position));
         self.count_removed(removed.as_ref());
+        removed
     }
 
     fn count_removed(&mut self, removed: Option<&WaitingEvent>) {
@@ -82,20 +104,24 @@ impl EventQueue {
         next.map(|event| event.value)
     }
 
-    /// Removes the messages that are too old. Returns their number.
-    pub fn remove_expired(&mut self, now: Time) -> u64 {
+    /// Removes the messages that are too old, and adds them to `removed`.
+    pub fn remove_expired(&mut self, now: Time, removed: &mut Vec<Arrival>) {
         let before = self.events.len();
-        self.events
-            .retain(|event| event.expiry.is_none_or(|expiry| now <= expiry));
-        let removed = before - self.events.len();
+        self.events.retain(|event| {
+            let stays = event.expiry.is_none_or(|expiry| now <= expiry);
+            if !stays {
+                removed.extend(event.arrival());
+            }
+            stays
+        });
         // outcomes do not expire
-        self.messages -= removed;
-        removed as u64
+        self.messages -= before - self.events.len();
     }
 
     /// Removes the outcomes of calls that updates of the out location at this position made.
     pub fn remove_outcomes(&mut self, output: usize) {
-        self.events.retain(|event| event.answers != Some(output));
+        self.events
+            .retain(|event| event.source != EventSource::Outcome(output));
     }
 
     /// Removes all messages. Returns their number.
@@ -129,7 +155,14 @@ impl EventQueue {
 
 impl WaitingEvent {
     pub fn is_message(&self) -> bool {
-        self.answers.is_none()
+        self.arrival().is_some()
+    }
+
+    fn arrival(&self) -> Option<Arrival> {
+        match self.source {
+            EventSource::Message(arrival) => Some(arrival),
+            EventSource::Outcome(_) => None,
+        }
     }
 }
 
@@ -146,11 +179,17 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
+    fn arrival(position: i64) -> Arrival {
+        let (at, position) = (Time::ZERO, position as usize);
+        Arrival { at, position }
+    }
+
     fn pushed(queue: BufferKind) -> (Vec<i64>, u64) {
         let (mut events, mut dropped) = (EventQueue::default(), 0);
         dropped += events.push_outcome(0, Value::Int(100));
         for number in 0..4 {
-            dropped += events.push_message(Value::Int(number), None, queue);
+            let message = events.push_message(Value::Int(number), arrival(number), None, queue);
+            dropped += u64::from(message.is_some());
         }
         let number = |value: Value| {
             if let Value::Int(number) = value {
@@ -177,13 +216,18 @@ mod tests {
         let mut events = EventQueue::default();
         let at = |ms| Some(Time::ZERO + Duration::from_millis(ms));
         for (number, expiry) in [(1, at(10)), (2, None), (3, at(30)), (4, at(20))] {
-            events.push_message(Value::Int(number), expiry, BufferKind::Buffer(4));
+            let arrival = arrival(number);
+            events.push_message(Value::Int(number), arrival, expiry, BufferKind::Buffer(4));
         }
         events.push_outcome(0, Value::Int(5));
         let now = Time::ZERO + Duration::from_millis(20);
-        assert_eq!((events.remove_expired(now), events.messages), (1, 3));
+        let mut expired = Vec::new();
+        events.remove_expired(now, &mut expired);
+        assert_eq!((&*expired, events.messages), (&[arrival(1)][..], 3));
         let later = Time::ZERO + Duration::from_millis(21);
-        assert_eq!((events.remove_expired(later), events.messages), (1, 2));
+        events.remove_expired(later, &mut expired);
+        assert_eq!(expired, [arrival(1), arrival(4)]);
+        assert_eq!(events.messages, 2);
         let left: Vec<_> = std::iter::from_fn(|| events.pop()).collect();
         assert_eq!(left, [Value::Int(2), Value::Int(3), Value::Int(5)]);
     }
@@ -191,11 +235,11 @@ mod tests {
     #[test]
     fn messages_never_drop_outcomes_nor_outcomes_messages() {
         let mut events = EventQueue::default();
-        let message = events.push_message(Value::Int(0), None, BufferKind::Buffer(1));
+        let message = events.push_message(Value::Int(0), arrival(0), None, BufferKind::Buffer(1));
         let outcomes: u64 = (0..300)
             .map(|n| events.push_outcome(1, Value::Int(n)))
             .sum();
-        assert_eq!((message, outcomes), (0, 300 - DEFAULT_SIZE as u64));
+        assert_eq!((message, outcomes), (None, 300 - DEFAULT_SIZE as u64));
         assert_eq!(
             (events.outcomes(), events.remove_messages()),
             (DEFAULT_SIZE, 1)

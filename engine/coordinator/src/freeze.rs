@@ -2,7 +2,7 @@
 
 use crate::coordinator::Coordinator;
 use crate::effects::PendingOutcome;
-use crate::event_queue::{EventQueue, WaitingEvent};
+use crate::event_queue::{EventQueue, EventSource, WaitingEvent};
 use crate::inputs::{BoundInput, InputLocation};
 use crate::misfit::MisfitCauses;
 use crate::partners::PartnerCall;
@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 const COMPONENT: &str = "asm::Coordinator";
 
 /// Version of the layout of [`FrozenCoordinator`] and of the machine encoding.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// A value in the compact encoding of the machine.
 type PackedValue = serde_bytes::ByteBuf;
@@ -81,9 +81,8 @@ struct FrozenInput {
 struct FrozenLocation {
     newest: Option<Time>,
     last: Option<PackedValue>,
-    /// Events not yet read, each with the position of the out location whose call it answers, and with the last time at which
-    /// it may be used.
-    waiting: Vec<(Option<usize>, PackedValue, Option<Time>)>,
+    /// Events not yet read, each with the last time at which it may be used.
+    waiting: Vec<(EventSource, PackedValue, Option<Time>)>,
 }
 
 /// A pending call of the binding.
@@ -157,7 +156,7 @@ impl FrozenLocation {
             newest: location.newest,
             last: location.last.as_ref().map(packed),
             waiting: waiting
-                .map(|event| (event.answers, packed(&event.value), event.expiry))
+                .map(|event| (event.source, packed(&event.value), event.expiry))
                 .collect(),
         }
     }
@@ -221,9 +220,9 @@ impl ThawedLocation {
     fn read(frozen: &FrozenLocation, machine: &Machine) -> Result<Self, ForeignSnapshot> {
         let value = |packed: &PackedValue| machine.unpack_value(packed);
         let waiting = frozen.waiting.iter();
-        let waiting = waiting.map(|(answers, event, expiry)| {
+        let waiting = waiting.map(|(source, event, expiry)| {
             Ok(WaitingEvent {
-                answers: *answers,
+                source: *source,
                 value: value(event)?,
                 expiry: *expiry,
             })

@@ -14,7 +14,7 @@ use crate::binding::{Binding, Receive};
 use crate::bound_location::BoundLocations;
 use crate::content::{AfterStep, EffectContext, evaluate};
 use crate::convert::literal_value;
-use crate::event_queue::EventQueue;
+use crate::event_queue::{Arrival, EventQueue};
 use crate::frame::InputFrame;
 use crate::location::LocationName;
 use crate::misfit::MisfitCauses;
@@ -226,11 +226,12 @@ impl MessageInputs {
     ) -> Vec<String> {
         let mut notices = Vec::new();
         let mut mistyped = Vec::new();
-        for input in &mut self.inputs {
-            let (port, mut dropped) = (input.from.port(), 0);
+        let mut discarded = Vec::new();
+        for (position, input) in self.inputs.iter_mut().enumerate() {
+            let (port, mut dropped) = (input.from.port(), Vec::new());
             if let Some(port) = port {
-                dropped += input.discard_stale(port, cycle);
-                notices.extend(input.expired(dropped, program));
+                dropped = input.discard_stale(port, cycle);
+                notices.extend(input.expired(dropped.len(), program));
             }
             let (messages, newest) = match input.from {
                 MessageOrigin::Calls | MessageOrigin::Timer(..) => continue,
@@ -259,16 +260,40 @@ impl MessageInputs {
                 typed: ports.iter().find(|it| Some(it.port) == port),
                 now: cycle.now(),
             };
-            let lost = input.take_all(&arrived, (requests, program), &mut mistyped, &mut notices);
-            self.losses.misfits += lost.misfits;
-            dropped += lost.dropped;
-            self.losses.dropped += dropped;
-            match port {
-                Some(port) => cycle.count_lost(port, dropped),
-                None => self.dropped_elsewhere += dropped,
+            let unused = input.take_all(&arrived, (requests, program), &mut mistyped, &mut notices);
+            self.losses.misfits += unused.misfits;
+            dropped.extend(unused.dropped);
+            discarded.extend(dropped.into_iter().map(|arrival| (position, arrival)));
+        }
+        self.count_discarded(discarded, cycle);
+        notices
+    }
+
+    /// Counts messages, each with the position of the input that has discarded it. One that several inputs have discarded counts
+    /// once.
+    fn count_discarded(&mut self, mut discarded: Vec<(usize, Arrival)>, cycle: &mut Cycle<'_>) {
+        for (position, _) in &mut discarded {
+            if let Some(from) = self.inputs.get(*position).map(|input| input.from) {
+                let first = self
+                    .inputs
+                    .iter()
+                    .position(|it| it.from.shares_messages(from));
+                *position = first.unwrap_or(*position);
             }
         }
-        notices
+        discarded.sort_unstable();
+        discarded.dedup();
+        for of_one in discarded.chunk_by(|(one, _), (next, _)| one == next) {
+            let count = of_one.len() as u64;
+            let input = of_one
+                .first()
+                .and_then(|(position, _)| self.inputs.get(*position));
+            self.losses.dropped += count;
+            match input.and_then(|input| input.from.port()) {
+                Some(port) => cycle.count_lost(port, count),
+                None => self.dropped_elsewhere += count,
+            }
+        }
     }
 
     /// Sets the inputs to their current values and leaves the waiting events to the next step.

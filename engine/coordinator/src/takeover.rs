@@ -7,7 +7,7 @@
 use crate::binding::{Monitored, Source};
 use crate::coordinator::Coordinator;
 use crate::cycle_recorder::{RecordedMachine, replacement};
-use crate::event_queue::WaitingEvent;
+use crate::event_queue::{EventSource, WaitingEvent};
 use crate::inputs::{BoundInput, InputLocation};
 use crate::partners::{MessagePartners, PartnerCall};
 use crate::requests::WaitingCaller;
@@ -218,7 +218,8 @@ impl Coordinator {
             return;
         };
         for event in before.waiting.iter() {
-            if let (Some(output), Some(value)) = (event.answers, elements.value(&event.value)) {
+            let value = elements.value(&event.value);
+            if let (EventSource::Outcome(output), Some(value)) = (event.source, value) {
                 location.waiting.push_outcome(output, value);
             }
         }

@@ -6,12 +6,12 @@ use crate::binding::{Argument, Constant, Monitored, Receive, Source};
 use crate::bound_location::BoundLocations;
 use crate::content::{BoundContent, has_values};
 use crate::convert::value_of;
-use crate::event_queue::EventQueue;
+use crate::event_queue::{Arrival, EventQueue};
 use crate::misfit::{MisfitCauses, domain_text, shown};
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
-use asmotion_component::{BufferKind, Cycle, Flow, In, Losses, Time};
+use asmotion_component::{BufferKind, Cycle, Flow, In, Time};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::ir::{AddedTerm, Program, ValueShape};
 use asmotion_lang::value::Value;
@@ -86,14 +86,22 @@ pub(super) enum MessageOrigin {
 /// Result of taking a message into the locations of an input.
 enum Taken {
     Yes,
-    /// It was queued, and this many older events were dropped for it.
-    Dropped(u64),
+    /// The queue was full: it or an older message, this one, was dropped.
+    Dropped(Arrival),
     /// Its value does not fit the codomain.
     Misfit,
     /// Its key selects no element.
     UnknownKey,
     /// It does not have the expected values.
     Refused,
+}
+
+/// Messages that an input has not taken, or has dropped for others.
+#[derive(Default)]
+pub(super) struct Unused {
+    pub dropped: Vec<Arrival>,
+    /// Number of messages that do not fit.
+    pub misfits: u64,
 }
 
 impl BoundInput {
@@ -161,13 +169,13 @@ impl BoundInput {
         of_state && self.located.key.is_empty() && self.matching.is_none()
     }
 
-    /// Removes the messages that have waited for longer than their connection allows, and the current values if the policy of
-    /// the connection forgets stale data. Returns the number of removed messages.
-    pub(super) fn discard_stale(&mut self, port: In<Datum>, cycle: &Cycle<'_>) -> u64 {
+    /// Removes the messages that have waited for longer than their connection allows, which it returns, and the current values if
+    /// the policy of the connection forgets stale data.
+    pub(super) fn discard_stale(&mut self, port: In<Datum>, cycle: &Cycle<'_>) -> Vec<Arrival> {
         let forgets = cycle.is_stale(port) && matches!(cycle.read(port), Flow::NoData);
-        let mut removed = 0;
+        let mut removed = Vec::new();
         for location in &mut self.locations {
-            removed += location.waiting.remove_expired(cycle.now());
+            location.waiting.remove_expired(cycle.now(), &mut removed);
             if forgets {
                 location.last = None;
             }
@@ -183,8 +191,8 @@ impl BoundInput {
         (requests, program): (&Requests, &Program),
         mistyped: &mut Vec<(In<Datum>, usize)>,
         notices: &mut Vec<String>,
-    ) -> Losses {
-        let mut lost = Losses::default();
+    ) -> Unused {
+        let mut lost = Unused::default();
         let only_newest = self.takes_newest();
         for (position, message) in arrived.each(only_newest) {
             let expiry = arrived.expiries.get(position).copied().flatten();
@@ -200,10 +208,11 @@ impl BoundInput {
                     continue;
                 }
             };
-            let message = &*message;
-            match self.take(message, arrived.now, arrived.queue, expiry, program) {
+            let (message, at) = (&*message, arrived.now);
+            let arrival = Arrival { at, position };
+            match self.take(message, arrival, arrived.queue, expiry, program) {
                 Taken::Yes => {}
-                Taken::Dropped(count) => lost.dropped += count,
+                Taken::Dropped(dropped) => lost.dropped.push(dropped),
                 Taken::Refused => {
                     lost.misfits += 1;
                     notices.extend(self.refused(message, program));
@@ -231,7 +240,7 @@ impl BoundInput {
     fn take(
         &mut self,
         message: &Datum,
-        now: Time,
+        arrival: Arrival,
         queue: BufferKind,
         expiry: Option<Time>,
         program: &Program,
@@ -263,11 +272,14 @@ impl BoundInput {
         match self.receive {
             Receive::Edge => location.last = Some(value),
             Receive::Last => {
-                location.newest = Some(now);
+                location.newest = Some(arrival.at);
                 location.last = Some(value);
             }
             Receive::All => {
-                return Taken::Dropped(location.waiting.push_message(value, expiry, queue));
+                let waiting = &mut location.waiting;
+                if let Some(dropped) = waiting.push_message(value, arrival, expiry, queue) {
+                    return Taken::Dropped(dropped);
+                }
             }
         }
         Taken::Yes
@@ -397,7 +409,7 @@ impl BoundInput {
     }
 
     /// Describes the first messages that waited too long.
-    pub(super) fn expired(&mut self, count: u64, program: &Program) -> Option<String> {
+    pub(super) fn expired(&mut self, count: usize, program: &Program) -> Option<String> {
         if count == 0 || std::mem::replace(&mut self.reported_expiry, true) {
             return None;
         }
@@ -443,6 +455,15 @@ impl MessageOrigin {
         match self {
             Self::Port(port) => Some(port),
             Self::Calls | Self::Requests(_) | Self::Losses(_) | Self::Timer(..) => None,
+        }
+    }
+
+    /// Returns whether an input with this origin receives the messages of another one as well.
+    pub(super) fn shares_messages(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Port(one), Self::Port(other)) => one == other,
+            (Self::Requests(one), Self::Requests(other)) => one == other,
+            _ => false,
         }
     }
 }
