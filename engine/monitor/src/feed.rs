@@ -19,7 +19,7 @@ use tokio::sync::watch;
 
 use crate::bus_link::BusLink;
 use crate::catalogue::SystemDescription;
-use crate::log_entry;
+use crate::log_entry::{self, LogEntry};
 use crate::output_slot::{OutputSlot, OutputSummary};
 use crate::ring::Ring;
 use crate::specification_state::SpecificationState;
@@ -56,10 +56,10 @@ pub(crate) struct FeedState {
     pub time: Time,
     /// Steps as JSON.
     pub steps: Ring<Arc<str>>,
-    /// Log entries as JSON, without calls.
-    pub log: Ring<Arc<str>>,
+    /// Log entries without calls.
+    pub log: Ring<LogEntry>,
     /// Log entries of calls and replies, which can be many: they do not displace the others.
-    pub calls: Ring<Arc<str>>,
+    pub calls: Ring<LogEntry>,
     /// States of specifications, by component.
     pub specifications: BTreeMap<String, SpecificationState>,
     /// The last steps of each specification as JSON: a busy one does not displace those of the others.

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use asmotion_component::Time;
 
+use crate::log_entry::LogFilter;
+
 /// A run that is over.
 pub(crate) trait Past: Send + Sync {
     /// Time of its last event.
@@ -25,6 +27,8 @@ pub(crate) struct MomentRequest<'a> {
     pub span: f64,
     /// Whether the tab needs the steps and log entries around it.
     pub window: bool,
+    /// The part of the log that the tab needs; `None` for all of it.
+    pub log: Option<LogFilter>,
     /// Whether the tab needs the components.
     pub components: bool,
     /// Outputs whose samples the tab shows.

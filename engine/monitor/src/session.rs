@@ -19,10 +19,11 @@ use crate::client::{Client, serve};
 use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::frame::{FrameWriter, SharedFrames};
+use crate::log_entry::LogFilter;
 use crate::page_request::PageRequest;
 use crate::past::{MomentRequest, Past};
 use crate::settings::DashboardSettings;
-use crate::subscriptions::{self, Subscriptions};
+use crate::subscriptions::{self, Subscriptions, WantedStreams};
 use crate::ticker::Ticker;
 
 /// Version of the messages.
@@ -144,16 +145,27 @@ impl Session {
             }
         };
         match request {
-            PageRequest::Subscribe { streams, max_hz } => {
+            PageRequest::Subscribe {
+                streams,
+                every,
+                log,
+                max_hz,
+            } => {
                 progress.interval = subscriptions::interval(max_hz);
                 let limit = self.settings.max_subscriptions;
-                let replaced = progress.subscriptions.replace(&streams, &self.feed, limit);
+                let wanted = WantedStreams {
+                    streams: &streams,
+                    every: &every,
+                    log,
+                };
+                let replaced = progress.subscriptions.replace(wanted, &self.feed, limit);
                 replaced.err().map(|error| problem(None, &error))
             }
             PageRequest::Seek {
                 t,
                 span,
                 window,
+                log,
                 has,
             } => Some(self.moment(
                 progress,
@@ -161,6 +173,7 @@ impl Session {
                     t,
                     span,
                     window,
+                    log: log.map(LogFilter::lowercase),
                     components: progress.subscriptions.seen.components.is_some(),
                     outputs: Vec::new(),
                     has: &has,

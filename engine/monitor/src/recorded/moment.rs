@@ -7,6 +7,7 @@ use asmotion_component::Time;
 use serde_json::{Value, json};
 
 use super::{RecordedEntry, RecordedOutput, RecordedSteps, RunMoments};
+use crate::log_entry::LogFilter;
 use crate::past::{MomentRequest, Past};
 use crate::rendering;
 
@@ -87,7 +88,7 @@ impl Past for RunMoments {
         });
         let samples: Vec<String> = samples.collect();
         let window = if request.window {
-            self.window(t, request.span)
+            self.window(t, request.span, request.log.as_ref())
         } else {
             Value::Null
         };
@@ -117,6 +118,7 @@ impl RecordedOutput {
         let pace = OutputPace::of(&recent.collect::<Vec<_>>(), t);
         json!({
             "name": name, "type": self.kind, "topic": self.topic, "n": count, "hz": pace.gap_s.map(f64::recip),
+            "bytes": count.checked_sub(1).and_then(|last| self.samples.get(last)).map(|(_, data)| data.size()),
             "age_ms": pace.age_s.map(|age| (age * 1000.0).round()), "stale": pace.is_stale,
         })
         .to_string()
@@ -162,7 +164,7 @@ impl RecordedOutput {
 
 impl RunMoments {
     /// Steps, states and entries around a time.
-    fn window(&self, t: f64, span: f64) -> Value {
+    fn window(&self, t: f64, span: f64, filter: Option<&LogFilter>) -> Value {
         let span = if span.is_finite() {
             span.clamp(1.0, 3600.0)
         } else {
@@ -184,14 +186,18 @@ impl RunMoments {
             history.extend(recorded.entries(component, window.range.clone()));
             narrow(&window);
         }
+        // of a part of the log, the window has as many entries as of the whole
         let mut entries = |all: &[RecordedEntry]| -> Vec<Value> {
+            let takes =
+                |it: &&RecordedEntry| filter.is_none_or(|filter| filter.takes(&it.entry));
+            let all: Vec<&RecordedEntry> = all.iter().filter(takes).collect();
             let window = window_range(all.len(), t, span, |index| {
                 all.get(index).map_or(0.0, |entry| entry.at.seconds())
             });
             narrow(&window);
             let entries = all.get(window.range).unwrap_or_default().iter();
             // what was written can be read
-            let parsed = entries.filter_map(|entry| serde_json::from_str(&entry.json).ok());
+            let parsed = entries.filter_map(|it| serde_json::from_str(&it.entry.json).ok());
             parsed.collect()
         };
         let (log, calls) = (entries(&self.log), entries(&self.calls));
@@ -206,7 +212,7 @@ impl RunMoments {
         let end = self.end.seconds();
         json!({
             "valid": [valid.0.max(-1.0), valid.1.min(end + 1.0)], "states": states, "history": history, "log": log,
-            "calls": calls, "series": series,
+            "calls": calls, "series": series, "filter": filter.map(|filter| filter.number),
         })
     }
 }
