@@ -8,6 +8,7 @@ use asmotion_messages::Text;
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
 
 use crate::joints::{Joints, Manner};
+use crate::limits::Limits;
 use crate::period::{follow, follow_port};
 
 /// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
@@ -51,6 +52,8 @@ struct DriverProperties {
     seed: u64,
     #[property(flatten)]
     manner: Manner,
+    #[property(flatten)]
+    limits: Limits,
 }
 
 impl DummyDriver {

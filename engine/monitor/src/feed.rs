@@ -14,6 +14,7 @@ use asmotion_datum::{Sample, Schema};
 use asmotion_remote::Presence;
 use asmotion_runtime::{Event, Observer};
 use asmotion_viewer_encoding::ChannelSchema;
+use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::watch;
 
@@ -23,6 +24,7 @@ use crate::log_entry::{self, LogEntry};
 use crate::output_slot::{OutputSlot, OutputSummary};
 use crate::ring::Ring;
 use crate::specification_state::SpecificationState;
+use crate::step_guards::KnownStep;
 
 /// Number of steps that are kept.
 const STEPS: usize = 1024;
@@ -70,6 +72,19 @@ pub(crate) struct FeedState {
     pub lost: u64,
     /// How the run has ended; `None` while it is under way.
     pub end: Option<String>,
+}
+
+/// A step as tabs receive it.
+#[derive(Deserialize)]
+struct ReportedStep {
+    t: f64,
+    step: StepRecord,
+}
+
+/// The time of a step or an entry, which is in seconds.
+pub(crate) fn time(seconds: f64) -> Time {
+    // a float has the nanoseconds of a hundred days
+    Time::from_nanos((seconds * 1e9).round() as i64)
 }
 
 /// A description of the components.
@@ -183,6 +198,32 @@ impl Feed {
     fn reach(&self, at: Time) {
         let mut state = self.state();
         state.time = state.time.max(at);
+    }
+
+    /// A step of a specification that is still known, with the state before it: the present one without the later updates.
+    pub(crate) fn known_step(&self, component: &str, number: u64) -> Option<KnownStep> {
+        let (steps, mut values) = {
+            let state = self.state();
+            let steps: Vec<Arc<str>> = state.history.get(component)?.since(0).entries.cloned().collect();
+            let values = state.specifications.get(component)?.values();
+            let owned = values.map(|(location, value)| (location.to_owned(), value.to_owned()));
+            (steps, owned.collect::<BTreeMap<String, String>>())
+        };
+        // without the lock: a step is read from its text
+        for step in steps.iter().rev() {
+            let ReportedStep { t, step } = serde_json::from_str(step).ok()?;
+            for update in &step.updates {
+                values.insert(update.location.clone(), update.before.clone());
+            }
+            if step.number == number {
+                return Some(KnownStep {
+                    before: values.into_iter().collect(),
+                    record: step,
+                    at: time(t),
+                });
+            }
+        }
+        None
     }
 
     /// Records a command of a tab.

@@ -40,6 +40,15 @@ pub(crate) enum PageRequest {
         #[serde(default)]
         has: BTreeMap<String, u64>,
     },
+    /// Asks for the guards on the way to the updates of a step.
+    Guards {
+        /// Name of the component.
+        component: String,
+        /// Number of the step.
+        number: u64,
+        /// Time of the step, in seconds of the run.
+        t: f64,
+    },
     /// The tab has processed a frame.
     Ack {
         /// Number of the frame.

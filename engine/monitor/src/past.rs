@@ -5,11 +5,15 @@ use std::collections::BTreeMap;
 use asmotion_component::Time;
 
 use crate::log_entry::LogFilter;
+use crate::step_guards::KnownStep;
 
 /// A run that is over.
 pub(crate) trait Past: Send + Sync {
     /// Time of its last event.
     fn end(&self) -> Time;
+
+    /// The step of a component with this number and time in seconds; `None` if there is none.
+    fn known_step(&self, component: &str, number: u64, t: f64) -> Option<KnownStep>;
 
     /// The message about a moment, as JSON.
     fn moment(&self, request: &MomentRequest<'_>) -> String;

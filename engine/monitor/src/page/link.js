@@ -50,6 +50,9 @@ export class Link {
         this.store.moment(message);
         this.onmoment?.();
         break;
+      case "guards":
+        this.store.explain(message);
+        break;
       case "armed":
         this.onarmed?.(null);
         break;

@@ -38,6 +38,7 @@ export class Store {
     /** @type {any[]} */ this.notes = []; /** @type {any[]} */ this.calls = [];
     this.missed = { steps: 0, log: 0, samples: 0 };
     /** The part of the log that was asked for: the filter, and its entries by time; null if all of the log was. @type {any} */ this.found = null;
+    /** The guards of the step that was asked for last. @type {any} */ this.guards = null;
     /** @type {Map<string, any>} */ this.samples = new Map();
     /** Driven paths by output: [t, x, y, yaw]. @type {Map<string, number[][]>} */ this.trails = new Map();
     /** Samples of joints by output: { t, position, … }. @type {Map<string, any[]>} */ this.series = new Map();
@@ -171,6 +172,12 @@ export class Store {
     this.found.entries = append(this.found.entries, entries, MAX_LOG).sort((one, other) => one.t - other.t);
     this.found.isKnown = true;
     this.changes.log++;
+  }
+
+  /** Takes the guards of a step, which were asked for. */
+  explain(guards) {
+    this.guards = guards;
+    this.changes.steps++;
   }
 
   /** Asks for a part of the log; without words and level, for all of it. The words are those of the filter.

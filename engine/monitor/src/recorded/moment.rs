@@ -10,6 +10,7 @@ use super::{RecordedEntry, RecordedOutput, RecordedSteps, RunMoments};
 use crate::log_entry::LogFilter;
 use crate::past::{MomentRequest, Past};
 use crate::rendering;
+use crate::step_guards::KnownStep;
 
 /// Number of steps or entries of a window before its moment, and after it.
 const AROUND: (usize, usize) = (400, 200);
@@ -73,6 +74,30 @@ impl OutputPace {
 impl Past for RunMoments {
     fn end(&self) -> Time {
         self.end
+    }
+
+    fn known_step(&self, component: &str, number: u64, t: f64) -> Option<KnownStep> {
+        let recorded = self.steps.get(component)?;
+        let (steps, from) = (&recorded.steps, |at: &Time| at.seconds() < t - 1e-6);
+        let first = steps.partition_point(|(at, _)| from(at));
+        let near = steps.get(first..)?.iter();
+        let mut near = near.take_while(|(at, _)| seconds_until(*at, t + 1e-6));
+        let index = first + near.position(|(_, step)| step.number == number)?;
+        let (at, record) = steps.get(index)?;
+        let before = match recorded.begins.get(&index) {
+            Some(begin) => begin.state.clone(),
+            None => {
+                let state = recorded.state_before(index);
+                let values = state.values();
+                let owned = values.map(|(location, value)| (location.to_owned(), value.to_owned()));
+                owned.collect()
+            }
+        };
+        Some(KnownStep {
+            before,
+            record: record.clone(),
+            at: *at,
+        })
     }
 
     fn moment(&self, request: &MomentRequest<'_>) -> String {
