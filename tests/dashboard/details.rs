@@ -104,13 +104,16 @@ pub fn properties_and_history(tab: &mut Tab) {
     tab.click(&format!("{rows}.at(-1)"));
     tab.wait("asmotion.store.cursor !== null && document.querySelector('#banner').textContent.startsWith('Showing')");
     // why it was made: the guards of that step, with the values that they had
-    let guard = with_text("#guards tbody tr", "mode = IDLE");
+    let guards = "[...document.querySelectorAll('#guards tbody tr')].map((it) => [...it.children].map((cell) => cell.textContent).join('; ')).join()";
+    let all = "estop; ✗ false; estop = false; ,cancelArrived; ✗ false; cancelArrived = false; ,goalArrived; ✓ true; goalArrived = true; ,moving; ✗ false; moving = false; ";
     tab.wait(&format!(
-        "{guard}?.textContent.includes('✓ true') && {guard}.children[2].textContent.includes('mode = IDLE') && {guard}.children[3].textContent.includes('mode')"
+        "{guards}.replace(/(command|mode|tries|, )+/g, '') === '{all}'"
     ));
     let step = tab.eval("document.querySelector('#step').textContent.split(' ')[1]");
     assert_eq!(
-        tab.eval("document.querySelector('section[aria-label^=Guards] h3').textContent.split(' ').at(-1)"),
+        tab.eval(
+            "document.querySelector('section[aria-label^=Guards] h3').textContent.split(' ').at(-1)"
+        ),
         step
     );
     tab.eval("document.querySelector('#guards').scrollIntoView({ block: 'center' })");
@@ -187,13 +190,17 @@ pub fn measure(tab: &mut Tab) {
 pub fn traffic(tab: &mut Tab) {
     show(tab, "components");
     let odometry = "asmotion.store.output.get('Rover/RoverDriver.odom')";
-    let amount = tab.wait(&format!("{odometry}?.bytes > 100 && {odometry}.hz > 0 && [{odometry}.bytes, {odometry}.hz]"));
+    let amount = tab.wait(&format!(
+        "{odometry}?.bytes > 100 && {odometry}.hz > 0 && [{odometry}.bytes, {odometry}.hz]"
+    ));
     let [bytes, hz] = [0, 1].map(|index| amount[index].as_f64().unwrap());
     // position, orientation, velocities and two covariances of 36 numbers
     assert!(bytes > 300.0 && bytes < 3000.0 && hz < 200.0, "{amount}");
     tab.wait("[...document.querySelectorAll('.graph .edge text.bytes')].filter((it) => /^[\\d.]+ (k|M)?B\\/s$/.test(it.textContent)).length > 4");
     let edge = "[...document.querySelectorAll('.graph .edge title')].find((it) => it.textContent.startsWith('Rover/RoverDriver → ') && it.textContent.includes('odom'))";
-    tab.wait(&format!("/odom [\\d.]+ Hz, [\\d.]+ kB\\/s, [\\d.]+ s ago/.test({edge}?.textContent)"));
+    tab.wait(&format!(
+        "/odom [\\d.]+ Hz, [\\d.]+ kB\\/s, [\\d.]+ s ago/.test({edge}?.textContent)"
+    ));
     tab.screenshot("traffic");
 }
 
@@ -201,7 +208,9 @@ pub fn traffic(tab: &mut Tab) {
 pub fn limits(tab: &mut Tab) {
     show(tab, "joints");
     let set = |tab: &mut Tab, limits: &str| {
-        let wish = format!("asmotion.control.wish('Arm/Driver/youBotDriver', {{ set: [['position_limits', {limits}]] }}, 'limits')");
+        let wish = format!(
+            "asmotion.control.wish('Arm/Driver/youBotDriver', {{ set: [['position_limits', {limits}]] }}, 'limits')"
+        );
         assert_eq!(tab.eval(&wish), true);
     };
     tab.wait("document.querySelectorAll('.chart').length === 5");
@@ -224,14 +233,19 @@ pub fn every_sample(tab: &mut Tab) {
     let name = "Arm/Driver/youBotDriver.jointStatus";
     crate::set_period(tab, 10);
     tab.wait("Math.abs(parseFloat(document.querySelector('#measured').textContent) - 10) < 5");
-    let counts = format!("[asmotion.store.samples.get('{name}').n, asmotion.store.series.get('{name}').length, asmotion.frames ?? 0, performance.now()]");
+    let counts = format!(
+        "[asmotion.store.samples.get('{name}').n, asmotion.store.series.get('{name}').length, asmotion.frames ?? 0, performance.now()]"
+    );
     let read = |tab: &mut Tab| {
         let counts = tab.eval(&counts);
         [0, 1, 2, 3].map(|index| counts[index].as_f64().unwrap())
     };
     tab.eval("(() => { const take = asmotion.store.frame; asmotion.frames = 0; asmotion.store.frame = function (frame) { asmotion.frames++; take.call(this, frame); }; })()");
     let begin = read(tab);
-    tab.wait(&format!("asmotion.store.samples.get('{name}').n > {} + 150", begin[0]));
+    tab.wait(&format!(
+        "asmotion.store.samples.get('{name}').n > {} + 150",
+        begin[0]
+    ));
     let shown = read(tab);
     assert_eq!(shown[0] - begin[0], shown[1] - begin[1]);
     let rate = |from: [f64; 4], to: [f64; 4]| (to[2] - from[2]) / (to[3] - from[3]) * 1e3;
@@ -259,7 +273,10 @@ pub fn still_panel(tab: &mut Tab) {
     show(tab, "overview");
     tab.click("document.querySelector('[aria-label=\"Pause Map\"]')");
     tab.wait("document.querySelectorAll('.map-panel .picture').length === 2");
-    let (picture, twin) = ("document.querySelector('.map-panel dl.picture').textContent", "document.querySelector('.map-panel dl:not(.picture)').textContent");
+    let (picture, twin) = (
+        "document.querySelector('.map-panel dl.picture').textContent",
+        "document.querySelector('.map-panel dl:not(.picture)').textContent",
+    );
     let shown = tab.eval(picture);
     tab.wait(&format!("{twin} !== {picture}"));
     assert_eq!(tab.eval(picture), shown);

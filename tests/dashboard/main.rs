@@ -284,6 +284,16 @@ fn goal(tab: &mut Tab) {
         "write Rover/ASMCoordinator.goal",
     ));
     tab.wait(&mode("FOLLOWING"));
+    // by keyboard alone, typed
+    tab.eval("document.querySelector('.map canvas').focus()");
+    tab.key("g");
+    tab.wait("!document.querySelector('.confirm').hidden");
+    for (name, value) in [("x", "15.5"), ("y", "6.8"), ("yaw", "0")] {
+        tab.eval(&format!("(() => {{ const it = document.querySelector('.confirm [name={name}]'); it.value = '{value}'; it.dispatchEvent(new Event('input')); }})()"));
+    }
+    tab.key("Enter");
+    tab.wait(&format!("{GOAL}?.join() === '15.5,6.8'"));
+    tab.wait(&mode("FOLLOWING"));
 }
 
 fn software_stop(tab: &mut Tab) {
@@ -337,10 +347,7 @@ fn logs(tab: &mut Tab) {
         "{rows}.length > 3 && {rows}.every((it) => it.includes('command') && it.includes('Rover'))"
     ));
     // the server sends no others, and has looked through all that it keeps
-    assert_eq!(
-        tab.eval("asmotion.store.found.isKnown && asmotion.store.found.entries.every((it) => it.kind === 'command')"),
-        true
-    );
+    tab.wait("asmotion.store.found.isKnown && asmotion.store.found.entries.every((it) => it.kind === 'command')");
     let before = tab.eval("asmotion.store.log.length");
     filter(tab, "!command !step");
     tab.wait(&format!(

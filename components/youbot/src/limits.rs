@@ -7,7 +7,10 @@ use crate::arm::Arm;
 /// Pairs of the least and the greatest value that are fine: one for each joint, or one for all of them. The dashboard draws them as
 /// bands; the driver itself does not heed them.
 #[derive(Properties)]
-#[allow(dead_code, reason = "displays read them from the component's description")]
+#[allow(
+    dead_code,
+    reason = "displays read them from the component's description"
+)]
 pub(crate) struct Limits {
     /// Least and greatest position of each joint, rad; those of the youBot by default.
     #[property(default = positions())]

@@ -204,7 +204,9 @@ impl SystemDescription {
         let versions = versions.filter(|it| it.component == component);
         let version = versions.filter(|it| it.from <= at.seconds()).next_back();
         let files = version.into_iter().flat_map(|it| &it.files);
-        files.map(|it| (it.path.clone(), Arc::clone(&it.text))).collect()
+        files
+            .map(|it| (it.path.clone(), Arc::clone(&it.text)))
+            .collect()
     }
 
     fn specification(&self, component: &str) -> Option<&DescribedSpecification> {

@@ -204,7 +204,13 @@ impl Feed {
     pub(crate) fn known_step(&self, component: &str, number: u64) -> Option<KnownStep> {
         let (steps, mut values) = {
             let state = self.state();
-            let steps: Vec<Arc<str>> = state.history.get(component)?.since(0).entries.cloned().collect();
+            let steps: Vec<Arc<str>> = state
+                .history
+                .get(component)?
+                .since(0)
+                .entries
+                .cloned()
+                .collect();
             let values = state.specifications.get(component)?.values();
             let owned = values.map(|(location, value)| (location.to_owned(), value.to_owned()));
             (steps, owned.collect::<BTreeMap<String, String>>())

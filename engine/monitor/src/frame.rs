@@ -9,9 +9,9 @@ use asmotion_component::Time;
 
 use crate::desk::Desk;
 use crate::feed::Feed;
+use crate::log_entry::LogEntry;
 use crate::output_slot::OutputSummary;
 use crate::rendering::quoted;
-use crate::log_entry::LogEntry;
 use crate::ring::Ring;
 use crate::subscriptions::{Cursors, FoundCursors, Subscriptions};
 use crate::ticker::{Shared, interval_number};
@@ -75,9 +75,7 @@ impl SharedFrames {
         let json: Arc<str> = parts.into();
         let outputs = subscriptions.samples.iter();
         self.news.push(SharedNews {
-            outputs: outputs
-                .map(|it| (Arc::clone(&it.name), it.every))
-                .collect(),
+            outputs: outputs.map(|it| (Arc::clone(&it.name), it.every)).collect(),
             before,
             after: subscriptions.seen.clone(),
             json: Arc::clone(&json),

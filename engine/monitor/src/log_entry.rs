@@ -155,9 +155,13 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<LogEntry> {
             let text = format!("a cycle took {took:.1?}, its deadline is {deadline:.1?}");
             entry(at, LogLevel::Warning, "late", component, &text)
         }
-        Event::Denied { component, denied } => {
-            entry(at, LogLevel::Warning, "denied", component, &denied.to_string())
-        }
+        Event::Denied { component, denied } => entry(
+            at,
+            LogLevel::Warning,
+            "denied",
+            component,
+            &denied.to_string(),
+        ),
         Event::Dropped {
             component,
             port,
@@ -314,7 +318,13 @@ mod tests {
 
     #[test]
     fn a_filter_takes_a_level_and_words_whatever_their_case() {
-        let entry = entry(Time::ZERO, LogLevel::Warning, "reply", "Rover/Nav", "plan → Late");
+        let entry = entry(
+            Time::ZERO,
+            LogLevel::Warning,
+            "reply",
+            "Rover/Nav",
+            "plan → Late",
+        );
         let takes = |level, words: &[&str]| {
             let words = words.iter().map(|it| (*it).to_owned()).collect();
             let number = 1;
@@ -327,6 +337,8 @@ mod tests {
         };
         assert!(takes(LogLevel::Info, &[]) && takes(LogLevel::Warning, &["ROVER", "late"]));
         assert!(!takes(LogLevel::Error, &[]) && !takes(LogLevel::Info, &["arm"]));
-        assert!(takes(LogLevel::Info, &["!arm", "!"]) && !takes(LogLevel::Info, &["nav", "!Reply"]));
+        assert!(
+            takes(LogLevel::Info, &["!arm", "!"]) && !takes(LogLevel::Info, &["nav", "!Reply"])
+        );
     }
 }

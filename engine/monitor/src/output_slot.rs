@@ -279,7 +279,12 @@ impl OutputSlot {
             it.number > number && newest.arrived.duration_since(it.arrived) < RECENT_AGE
         };
         let from = state.kept.len().saturating_sub(RECENT);
-        let recent: Vec<_> = state.kept.range(from..).filter(is_recent).cloned().collect();
+        let recent: Vec<_> = state
+            .kept
+            .range(from..)
+            .filter(is_recent)
+            .cloned()
+            .collect();
         let is_new = newest.number > number && recent.is_empty();
         if is_new {
             return vec![Arc::clone(newest)];

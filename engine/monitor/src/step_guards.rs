@@ -266,7 +266,10 @@ default init s0:
             "drive.asm:12 distance < 0.25 true [[\"distance\",\"0.21\"]]",
         ];
         assert_eq!([of(&found, 0), of(&found, 1)], [expected, expected]);
-        assert_eq!((&found[0]["location"], &found[0]["rule"]), (&json!("mode"), &json!("r_Main")));
+        assert_eq!(
+            (&found[0]["location"], &found[0]["rule"]),
+            (&json!("mode"), &json!("r_Main"))
+        );
         // the other branch, from another state, with the same machine
         let waited = step(&[("mode", "IDLE")], "9.0", &[("said", "\"waiting\"")]);
         let found = repeater.guards(texts(), &waited).unwrap();
@@ -289,6 +292,11 @@ default init s0:
         assert!(repeater.guards(Vec::new(), &other).is_err());
         let mut safe = step(&[("mode", "DRIVING")], "0.1", &[("mode", "IDLE")]);
         safe.record.safe_rule = Some("r_Stop".to_owned());
-        assert!(repeater.guards(texts(), &safe).unwrap_err().contains("r_Stop"));
+        assert!(
+            repeater
+                .guards(texts(), &safe)
+                .unwrap_err()
+                .contains("r_Stop")
+        );
     }
 }

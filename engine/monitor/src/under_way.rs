@@ -65,7 +65,10 @@ mod tests {
                 sent.push(u64::from(number));
             }
         }
-        assert!(TICK * sent.len() as u32 <= Duration::from_millis(210), "{sent:?}");
+        assert!(
+            TICK * sent.len() as u32 <= Duration::from_millis(210),
+            "{sent:?}"
+        );
         assert!(!under_way.acknowledge(0) && !under_way.has_room());
         // the last one has asked
         assert!(under_way.acknowledge(*sent.last().unwrap()));

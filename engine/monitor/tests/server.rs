@@ -219,7 +219,9 @@ impl Client {
     /// Asks for the part of the log with these words.
     fn filter(&mut self, number: u64, words: &[&str]) {
         let filter = json!({ "number": number, "level": "notice", "words": words });
-        self.send(&json!({ "type": "subscribe", "streams": ["log"], "log": filter, "max_hz": 60.0 }));
+        self.send(
+            &json!({ "type": "subscribe", "streams": ["log"], "log": filter, "max_hz": 60.0 }),
+        );
     }
 
     /// The texts of the next entries of the log under this name.
@@ -230,7 +232,9 @@ impl Client {
             name => &frame[name],
         };
         let entries = entries.as_array().unwrap().iter();
-        entries.map(|it| it["text"].as_str().unwrap().to_owned()).collect()
+        entries
+            .map(|it| it["text"].as_str().unwrap().to_owned())
+            .collect()
     }
 }
 
@@ -338,7 +342,10 @@ fn a_tab_is_sent_only_the_part_of_the_log_that_it_asks_for() {
     // all of the log continues where it begins for a new tab, and then has everything
     client.subscribe(&["log"]);
     let all = client.entries("log");
-    assert_eq!((all.len(), &*all[0], &**all.last().unwrap()), (302, "blue 101", "Red 402"));
+    assert_eq!(
+        (all.len(), &*all[0], &**all.last().unwrap()),
+        (302, "blue 101", "Red 402")
+    );
     client.filter(3, &["blue"]);
     assert_eq!(client.entries("found").len(), 201);
     fixture.report("Red 403");
@@ -769,6 +776,62 @@ fn the_page_is_small_and_builds_nothing_from_text() {
     }
     assert!(compressed < 150_000, "{compressed} bytes");
     println!("{compressed} bytes compressed");
+}
+
+/// Contrast of two colours by WCAG, from 1 to 21.
+fn contrast(one: &str, other: &str) -> f64 {
+    let luminance = |colour: &str| {
+        let part = |at: usize| {
+            let share = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
+            if share <= 0.040_45 {
+                share / 12.92
+            } else {
+                ((share + 0.055) / 1.055).powf(2.4)
+            }
+        };
+        0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)
+    };
+    let (one, other) = (luminance(one), luminance(other));
+    (one.max(other) + 0.05) / (one.min(other) + 0.05)
+}
+
+#[test]
+fn texts_can_be_read_in_both_themes() {
+    let style = include_str!("../src/page/style.css");
+    let themes: Vec<&str> = style
+        .split(":root")
+        .filter(|it| it.contains("--ground:"))
+        .collect();
+    // light, dark by preference, and dark by choice
+    assert_eq!(themes.len(), 3);
+    for theme in themes {
+        let block = theme.split('}').next().unwrap();
+        let colour = |name: &str| {
+            let after = block.split(&format!("--{name}: ")).nth(1);
+            let after = after.unwrap_or_else(|| panic!("no --{name} in {block}"));
+            after[..7].to_owned()
+        };
+        for (text, ground) in [
+            ("ink", "panel"),
+            ("ink", "ground"),
+            ("ink", "changed"),
+            ("ink", "accent-soft"),
+            ("faint", "panel"),
+            ("faint", "sunken"),
+            ("faint", "ground"),
+            ("accent", "panel"),
+            ("accent", "accent-soft"),
+            ("good", "good-soft"),
+            ("bad", "panel"),
+            ("bad", "bad-soft"),
+            ("note", "note-soft"),
+            ("note", "panel"),
+            ("on-accent", "accent"),
+        ] {
+            let found = contrast(&colour(text), &colour(ground));
+            assert!(found >= 4.5, "{text} on {ground}: {found:.2}");
+        }
+    }
 }
 
 #[test]

@@ -45,9 +45,7 @@ mod tests {
 
     #[test]
     fn a_name_is_divided_at_its_first_number() {
-        let parts = |name| {
-            NumberedName::of(name).map(|it| (it.before, it.number(), it.after))
-        };
+        let parts = |name| NumberedName::of(name).map(|it| (it.before, it.number(), it.after));
         assert_eq!(parts("rover12/goal3"), Some(("rover", Some(12), "/goal3")));
         assert_eq!(parts("7"), Some(("", Some(7), "")));
         assert_eq!(parts("rover"), None);

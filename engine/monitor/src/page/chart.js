@@ -117,14 +117,16 @@ export class Chart {
   bands(plot) {
     if (!this.limits) return;
     const { ctx, bbox } = plot;
-    const [low, high] = this.limits.map((value) => Math.min(bbox.top + bbox.height, Math.max(bbox.top, plot.valToPos(value, "y", true))));
+    const bottom = bbox.top + bbox.height, rows = this.limits.map((value) => plot.valToPos(value, "y", true));
+    const [low, high] = rows.map((row) => Math.min(bottom, Math.max(bbox.top, row)));
     ctx.save();
     ctx.fillStyle = colour("bad-soft");
     ctx.strokeStyle = colour("bad");
     ctx.setLineDash([6, 4]);
-    for (const [from, to, edge] of [[bbox.top, high, high], [low, bbox.top + bbox.height, low]]) {
+    for (const [from, to, edge] of [[bbox.top, high, rows[1]], [low, bottom, rows[0]]]) {
       if (to - from < 1) continue;
       ctx.fillRect(bbox.left, from, bbox.width, to - from);
+      if (edge < bbox.top || edge > bottom) continue;
       ctx.beginPath(); ctx.moveTo(bbox.left, edge); ctx.lineTo(bbox.left + bbox.width, edge); ctx.stroke();
     }
     ctx.restore();

@@ -14,7 +14,7 @@ export class Guards {
     this.body = el("tbody");
     this.empty = el("p", { class: "empty" });
     this.table = el("table", { id: "guards" }, el("thead", {}, el("tr", {}, ["guard", "was", "because of", "on the way to"].map((name) => el("th", {}, name)))), this.body);
-    this.root = el("section", { "aria-label": "Guards of the step" }, this.head, this.table, this.empty);
+    this.root = el("section", { class: "part", "aria-label": "Guards of the step" }, this.head, this.table, this.empty);
     this.asked = ""; this.at = -EVERY;
   }
 

@@ -108,7 +108,7 @@ export class Spec {
     const entry = store.stepAt(this.component);
     const step = entry?.step;
     const locations = store.locationsAt(this.component);
-    text(this.step, step ? `step ${step.number} at ${entry.t.toFixed(2)} s${store.isBack ? ", back in time" : ""}` : "no step has written anything yet");
+    text(this.step, step ? `step ${step.number} at ${entry.t.toFixed(2)} s` : "no step has written anything yet");
     const make = (count) => () => el("tr", {}, Array.from({ length: count }, (_, index) => el("td", { class: index ? "value" : "" })));
     list(this.updates, step?.updates ?? [], (it) => it.location, make(4), (row, it) => {
       const [location, before, after, by] = row.children;

@@ -137,7 +137,11 @@ pub(super) fn of_call(caller: &str, record: &Datum) -> Option<NewEntry> {
             } else {
                 String::new()
             };
-            (LogLevel::Info, "call", format!("{}{repeated}", brief("argument")))
+            (
+                LogLevel::Info,
+                "call",
+                format!("{}{repeated}", brief("argument")),
+            )
         }
         "reply" => {
             let result = brief("result");
@@ -147,7 +151,11 @@ pub(super) fn of_call(caller: &str, record: &Datum) -> Option<NewEntry> {
                 format!("→ {}", if result.is_empty() { "done" } else { &result }),
             )
         }
-        _ => (LogLevel::Warning, "reply", format!("→ {}", text(record, "error"))),
+        _ => (
+            LogLevel::Warning,
+            "reply",
+            format!("→ {}", text(record, "error")),
+        ),
     };
     let words = format!("{reference}.{operation} {words}");
     Some(NewEntry::new(level, kind, component, words))

@@ -179,7 +179,10 @@ impl RunBuilder {
         self.specification(component, at, &cycle.specification, begin.as_ref());
         if !is_intact {
             let words = format!("the record of step {} was changed", cycle.number);
-            self.entry(at, &NewEntry::new(LogLevel::Error, "recording", component, words));
+            self.entry(
+                at,
+                &NewEntry::new(LogLevel::Error, "recording", component, words),
+            );
         }
         let versions = self.versions.get(component).map_or(0, Vec::len);
         let begin = begin.map(|begin| RecordedBegin {
@@ -364,7 +367,10 @@ impl RunBuilder {
             for (at, data) in &output.samples {
                 if let Ok(datum) = data.datum() {
                     let words = format!("{topic} {}", brief_datum(&datum, &output.kind));
-                    entries.push((*at, NewEntry::new(LogLevel::Info, "message", component, words)));
+                    entries.push((
+                        *at,
+                        NewEntry::new(LogLevel::Info, "message", component, words),
+                    ));
                 }
             }
         }

@@ -213,8 +213,7 @@ impl RunMoments {
         }
         // of a part of the log, the window has as many entries as of the whole
         let mut entries = |all: &[RecordedEntry]| -> Vec<Value> {
-            let takes =
-                |it: &&RecordedEntry| filter.is_none_or(|filter| filter.takes(&it.entry));
+            let takes = |it: &&RecordedEntry| filter.is_none_or(|filter| filter.takes(&it.entry));
             let all: Vec<&RecordedEntry> = all.iter().filter(takes).collect();
             let window = window_range(all.len(), t, span, |index| {
                 all.get(index).map_or(0.0, |entry| entry.at.seconds())
