@@ -347,7 +347,7 @@ fn logs(tab: &mut Tab) {
         "{rows}.length > 3 && {rows}.every((it) => it.includes('command') && it.includes('Rover'))"
     ));
     // the server sends no others, and has looked through all that it keeps
-    tab.wait("asmotion.store.found.isKnown && asmotion.store.found.entries.every((it) => it.kind === 'command')");
+    tab.wait("asmotion.store.found.isKnown && asmotion.store.found.entries.length > 3 && asmotion.store.found.entries.every((it) => /command.*rover|rover.*command/i.test(`${it.kind} ${it.component} ${it.text}`))");
     let before = tab.eval("asmotion.store.log.length");
     filter(tab, "!command !step");
     tab.wait(&format!(
