@@ -8,7 +8,6 @@ use asmotion_messages::Text;
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
 
 use crate::joints::{Joints, Manner};
-use crate::limits::Limits;
 use crate::period::{follow, follow_port};
 
 /// `youbot::DummyDriver`: reads commands, writes status, and provides two operations.
@@ -52,8 +51,6 @@ struct DriverProperties {
     seed: u64,
     #[property(flatten)]
     manner: Manner,
-    #[property(flatten)]
-    limits: Limits,
 }
 
 impl DummyDriver {
