@@ -6,6 +6,7 @@ use std::fmt;
 use asmotion_component::Time;
 use asmotion_coordinator::{CONTROL_STATES, StepRecord, UpdateRecord, function_of};
 use asmotion_datum::Sample;
+use asmotion_plan::{MANY_NUMBERED, NumberedName};
 
 use super::StoryEntry;
 use super::driven_path::DrivenPath;
@@ -75,38 +76,30 @@ impl fmt::Display for EventCounts {
     }
 }
 
-/// Number of names from which those that differ only in a number are counted together.
-const MANY: usize = 4;
-
 /// Counts names that differ only in their first number together: `rover1/goal` to `rover20/goal` as `rover1…20/goal`.
 fn folded(counts: &[(String, u64)]) -> Vec<(String, u64)> {
-    let numbered = |name: &str| -> Option<(String, u64, String)> {
-        let begin = name.find(|it: char| it.is_ascii_digit())?;
-        let (before, rest) = name.split_at(begin);
-        let end = rest.find(|it: char| !it.is_ascii_digit());
-        let (number, after) = rest.split_at(end.unwrap_or(rest.len()));
-        Some((before.to_owned(), number.parse().ok()?, after.to_owned()))
-    };
+    let numbered = |name| NumberedName::of(name).and_then(|it| Some((it, it.number()?)));
     let mut rows: Vec<(String, u64)> = Vec::new();
-    let mut families: BTreeMap<(String, String), Vec<(u64, u64)>> = BTreeMap::new();
+    let mut families: BTreeMap<(&str, &str), Vec<(u64, u64)>> = BTreeMap::new();
     for (name, count) in counts {
-        if let Some((before, number, after)) = numbered(name) {
+        if let Some((NumberedName { before, after, .. }, number)) = numbered(name) {
             let family = families.entry((before, after)).or_default();
             family.push((number, *count));
         }
     }
-    families.retain(|_, members| members.len() >= MANY);
+    families.retain(|_, members| members.len() >= MANY_NUMBERED);
     for (name, count) in counts {
-        let family = numbered(name).map(|(before, _, after)| (before, after));
-        let Some(family) = family.filter(|it| families.contains_key(it)) else {
+        let members = numbered(name).and_then(|(name, _)| {
+            let members = families.get(&(name.before, name.after))?;
+            Some((name, members))
+        });
+        let Some((name, members)) = members else {
             rows.push((name.clone(), *count));
             continue;
         };
-        let (before, after) = &family;
-        let members = families.get(&family).map_or(&[][..], Vec::as_slice);
-        let numbers = || members.iter().map(|(number, _)| number);
+        let numbers = || members.iter().map(|(number, _)| *number);
         if let (Some(least), Some(most)) = (numbers().min(), numbers().max()) {
-            let row = format!("{before}{least}…{most}{after}");
+            let row = name.of_range((least, most));
             let sum = members.iter().map(|(_, count)| count).sum();
             // in the place of the first of them
             if !rows.iter().any(|(name, _)| *name == row) {

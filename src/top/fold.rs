@@ -3,26 +3,24 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use asmotion_plan::{MANY_NUMBERED, NumberedName};
 use asmotion_remote::PresentComponent;
 
 use super::board::BoardComponent;
-
-/// Number of components from which they are folded.
-const MANY: usize = 4;
 
 /// Replaces components whose names differ only in their first number, and which are in the same process and state, by one row for all
 /// of them, in the place of the first one.
 pub(super) fn folded(components: Vec<BoardComponent<'_>>) -> Vec<BoardComponent<'_>> {
     let mut families: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for (position, it) in components.iter().enumerate() {
-        if let Some((before, _, after)) = numbered(&it.present.name) {
+        if let Some(NumberedName { before, after, .. }) = NumberedName::of(&it.present.name) {
             let state = (it.present.state.as_str(), it.silence.is_some());
             let family = (it.robot, it.process, before, after, state);
             families.entry(family).or_default().push(position);
         }
     }
     let families: Vec<Vec<usize>> = families.into_values().collect();
-    let families = families.into_iter().filter(|it| it.len() >= MANY);
+    let families = families.into_iter().filter(|it| it.len() >= MANY_NUMBERED);
     let mut rows: Vec<Option<BoardComponent<'_>>> = components.into_iter().map(Some).collect();
     for family in families.collect::<Vec<_>>() {
         let mut members = family.iter().filter_map(|it| rows.get_mut(*it)?.take());
@@ -40,15 +38,6 @@ pub(super) fn folded(components: Vec<BoardComponent<'_>>) -> Vec<BoardComponent<
 /// Returns whether a row stands for several components.
 pub(super) fn is_fold(component: &BoardComponent<'_>) -> bool {
     matches!(component.present, Cow::Owned(_))
-}
-
-/// The parts of a name before, in and after its first number.
-fn numbered(name: &str) -> Option<(&str, &str, &str)> {
-    let begin = name.find(|it: char| it.is_ascii_digit())?;
-    let (before, rest) = name.split_at(begin);
-    let end = rest.find(|it: char| !it.is_ascii_digit());
-    let (number, after) = rest.split_at(end.unwrap_or(rest.len()));
-    Some((before, number, after))
 }
 
 /// A row of several components.
@@ -101,9 +90,9 @@ impl<'b> Folded<'b> {
         let mut present = self.present;
         present.rate_hz /= f64::from(self.count);
         present.cycle_mean_ms /= f64::from(self.count);
-        if let Some((before, _, after)) = numbered(&present.name) {
-            let (least, greatest, count) = (self.least, self.greatest, self.count);
-            present.name = format!("{before}{least}…{greatest}{after} ×{count}");
+        if let Some(name) = NumberedName::of(&present.name) {
+            let range = name.of_range((self.least, self.greatest));
+            present.name = format!("{range} ×{}", self.count);
         }
         BoardComponent {
             present: Cow::Owned(present),
@@ -113,6 +102,6 @@ impl<'b> Folded<'b> {
 }
 
 fn number(name: &str) -> u64 {
-    let digits = numbered(name).map(|(_, number, _)| number.parse());
-    digits.and_then(Result::ok).unwrap_or_default()
+    let number = NumberedName::of(name).and_then(NumberedName::number);
+    number.unwrap_or_default()
 }

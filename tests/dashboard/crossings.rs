@@ -80,7 +80,8 @@ fn run(composite: &Path, more: &[&str]) -> Command {
     command
 }
 
-fn is_clean(tab: &Tab) {
+/// Checks that a page is without errors, except that its process may have been away.
+pub fn is_clean(tab: &Tab) {
     // a process that is away refuses connections
     let away = |it: &&String| !it.contains("WebSocket") && !it.contains("ERR_CONNECTION");
     let errors: Vec<_> = tab.errors.iter().filter(away).collect();

@@ -103,6 +103,21 @@ pub fn properties_and_history(tab: &mut Tab) {
     // a row is a time
     tab.click(&format!("{rows}.at(-1)"));
     tab.wait("asmotion.store.cursor !== null && document.querySelector('#banner').textContent.startsWith('Showing')");
+    // why it was made: the guards of that step, with the values that they had
+    let guards = "[...document.querySelectorAll('#guards tbody tr')].map((it) => [...it.children].map((cell) => cell.textContent).join('; ')).join()";
+    let all = "estop; ✗ false; estop = false; ,cancelArrived; ✗ false; cancelArrived = false; ,goalArrived; ✓ true; goalArrived = true; ,moving; ✗ false; moving = false; ";
+    tab.wait(&format!(
+        "{guards}.replace(/(command|mode|tries|, )+/g, '') === '{all}'"
+    ));
+    let step = tab.eval("document.querySelector('#step').textContent.split(' ')[1]");
+    assert_eq!(
+        tab.eval(
+            "document.querySelector('section[aria-label^=Guards] h3').textContent.split(' ').at(-1)"
+        ),
+        step
+    );
+    tab.eval("document.querySelector('#guards').scrollIntoView({ block: 'center' })");
+    tab.screenshot("guards");
     let first = tab.eval("asmotion.store.cursor").as_f64().unwrap();
     tab.eval("document.activeElement.blur()");
     tab.key("}");
@@ -169,4 +184,103 @@ pub fn measure(tab: &mut Tab) {
     tab.wait(&format!("{first}.textContent.startsWith('tries ★')"));
     tab.click(&tries);
     tab.wait(&format!("{first}.textContent.startsWith('mode')"));
+}
+
+/// Connections say how much goes over them.
+pub fn traffic(tab: &mut Tab) {
+    show(tab, "components");
+    let odometry = "asmotion.store.output.get('Rover/RoverDriver.odom')";
+    let amount = tab.wait(&format!(
+        "{odometry}?.bytes > 100 && {odometry}.hz > 0 && [{odometry}.bytes, {odometry}.hz]"
+    ));
+    let [bytes, hz] = [0, 1].map(|index| amount[index].as_f64().unwrap());
+    // position, orientation, velocities and two covariances of 36 numbers
+    assert!(bytes > 300.0 && bytes < 3000.0 && hz < 200.0, "{amount}");
+    tab.wait("[...document.querySelectorAll('.graph .edge text.bytes')].filter((it) => /^[\\d.]+ (k|M)?B\\/s$/.test(it.textContent)).length > 4");
+    let edge = "[...document.querySelectorAll('.graph .edge title')].find((it) => it.textContent.startsWith('Rover/RoverDriver → ') && it.textContent.includes('odom'))";
+    tab.wait(&format!(
+        "/odom [\\d.]+ Hz, [\\d.]+ kB\\/s, [\\d.]+ s ago/.test({edge}?.textContent)"
+    ));
+    tab.screenshot("traffic");
+}
+
+/// Limits of a signal are bands in its charts, and what is beyond them is marked.
+pub fn limits(tab: &mut Tab) {
+    show(tab, "joints");
+    let set = |tab: &mut Tab, limits: &str| {
+        let wish = format!(
+            "asmotion.control.wish('Arm/Driver/youBotDriver', {{ set: [['position_limits', {limits}]] }}, 'limits')"
+        );
+        assert_eq!(tab.eval(&wish), true);
+    };
+    tab.wait("document.querySelectorAll('.chart').length === 5");
+    // a reading of the motor: those of the arm by default
+    tab.wait("document.querySelector('#joints tbody tr').children[1].title.startsWith('fine from -2.950 to 2.950')");
+    set(tab, "[[-0.001, 0.001]]");
+    tab.wait("[...document.querySelectorAll('#joints tbody tr')].some((it) => it.children[1].textContent.startsWith('⚠'))");
+    let band = "(() => { const canvas = document.querySelector('.chart canvas'); const data = canvas.getContext('2d')\
+                .getImageData(0, 0, canvas.width, canvas.height).data; let count = 0; for (let at = 0; at < data.length; at += 4) \
+                if (data[at] === 0xfb && data[at + 1] === 0xe4 && data[at + 2] === 0xe2) count++; return count; })()";
+    tab.wait(&format!("{band} > 1000"));
+    tab.screenshot("limits");
+    set(tab, "[[-3, 3]]");
+    tab.wait(&format!("{band} === 0"));
+    tab.wait("[...document.querySelectorAll('#joints tbody tr')].every((it) => !it.children[1].textContent.startsWith('⚠'))");
+}
+
+/// A chart has every sample, whatever the rate of frames, also of a tab that nobody sees.
+pub fn every_sample(tab: &mut Tab) {
+    let name = "Arm/Driver/youBotDriver.jointStatus";
+    crate::set_period(tab, 10);
+    tab.wait("Math.abs(parseFloat(document.querySelector('#measured').textContent) - 10) < 5");
+    let counts = format!(
+        "[asmotion.store.samples.get('{name}').n, asmotion.store.series.get('{name}').length, asmotion.frames ?? 0, performance.now()]"
+    );
+    let read = |tab: &mut Tab| {
+        let counts = tab.eval(&counts);
+        [0, 1, 2, 3].map(|index| counts[index].as_f64().unwrap())
+    };
+    tab.eval("(() => { const take = asmotion.store.frame; asmotion.frames = 0; asmotion.store.frame = function (frame) { asmotion.frames++; take.call(this, frame); }; })()");
+    let begin = read(tab);
+    tab.wait(&format!(
+        "asmotion.store.samples.get('{name}').n > {} + 150",
+        begin[0]
+    ));
+    let shown = read(tab);
+    assert_eq!(shown[0] - begin[0], shown[1] - begin[1]);
+    let rate = |from: [f64; 4], to: [f64; 4]| (to[2] - from[2]) / (to[3] - from[3]) * 1e3;
+    assert!(rate(begin, shown) < 21.0, "{shown:?} after {begin:?}");
+    let hide = |tab: &mut Tab, hidden: bool| {
+        tab.eval(&format!("Object.defineProperty(document, 'hidden', {{ get: () => {hidden}, configurable: true }})"));
+        tab.eval("document.dispatchEvent(new Event('visibilitychange'))");
+    };
+    hide(tab, true);
+    let begin = read(tab);
+    tab.wait(&format!("asmotion.frames >= {} + 4", begin[2]));
+    let hidden = read(tab);
+    assert_eq!(hidden[0] - begin[0], hidden[1] - begin[1]);
+    // those that were under way when it was hidden are among them
+    assert!(hidden[3] - begin[3] > 1500.0, "{hidden:?} after {begin:?}");
+    assert_eq!(tab.eval("asmotion.store.missed.samples"), 0);
+    hide(tab, false);
+    tab.eval("delete asmotion.store.frame");
+    crate::set_period(tab, 40);
+    tab.wait("Math.abs(parseFloat(document.querySelector('#measured').textContent) - 40) < 8");
+}
+
+/// A panel can stand still while the others go on.
+pub fn still_panel(tab: &mut Tab) {
+    show(tab, "overview");
+    tab.click("document.querySelector('[aria-label=\"Pause Map\"]')");
+    tab.wait("document.querySelectorAll('.map-panel .picture').length === 2");
+    let (picture, twin) = (
+        "document.querySelector('.map-panel dl.picture').textContent",
+        "document.querySelector('.map-panel dl:not(.picture)').textContent",
+    );
+    let shown = tab.eval(picture);
+    tab.wait(&format!("{twin} !== {picture}"));
+    assert_eq!(tab.eval(picture), shown);
+    tab.screenshot("still");
+    tab.click("document.querySelector('[aria-label=\"Pause Map\"]')");
+    tab.wait("document.querySelectorAll('.picture').length === 0");
 }

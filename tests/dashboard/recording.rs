@@ -255,6 +255,10 @@ fn specification(tab: &mut Tab, truth: &Truth) {
         tab.wait(&format!(
             "document.querySelector('.diagram .node.now text').textContent === '{after}'"
         ));
+        // each of them can be repeated, with the reported updates
+        tab.wait(&format!(
+            "document.querySelector('section[aria-label^=Guards] h3').textContent === 'guards of step {number}' && [...document.querySelectorAll('#guards tbody tr')].some((it) => it.textContent.includes('mode'))"
+        ));
     }
     tab.screenshot("recording_spec");
     // single steps, also over the end of what the tab has
@@ -313,7 +317,10 @@ fn components(tab: &mut Tab, truth: &Truth) {
         ".graph .edge title",
         "Rover/LaserDriver → Rover/CollisionMonitor",
     );
-    tab.wait(&format!("{edge}?.textContent.includes('scan 20 Hz, 0.')"));
+    // a scan has four bytes for each beam, and a header
+    tab.wait(&format!(
+        "/scan 20 Hz, [1-9]\\d kB\\/s, 0\\.\\d s ago/.test({edge}?.textContent)"
+    ));
     tab.click(&with_text(
         "#components tbody tr",
         "Rover/TrajectoryFollower",
@@ -421,6 +428,18 @@ fn logs(tab: &mut Tab) {
     // a click moves all views
     tab.click(&with_text(".log .row", "planner.plan"));
     tab.wait("asmotion.store.cursor < 15");
+    // the filter searches the whole run
+    let filter = |tab: &mut Tab, words: &str| {
+        tab.eval(&format!("(() => {{ const it = document.querySelector('.log-panel input[type=search]'); it.value = '{words}'; it.dispatchEvent(new Event('input')); }})()"));
+    };
+    seek(tab, 38.0);
+    filter(tab, "reply planner.plan");
+    tab.wait("asmotion.store.found?.isKnown && asmotion.store.found.entries.length > 0 && asmotion.store.found.entries.every((it) => it.kind === 'reply' && it.text.startsWith('planner.plan'))");
+    tab.wait("[...document.querySelectorAll('.log .row')].some((it) => it.textContent.includes('planner.plan'))");
+    filter(tab, "");
+    tab.wait(
+        "asmotion.store.found === null && asmotion.store.log.some((it) => it.kind !== 'reply')",
+    );
 }
 
 fn playing(tab: &mut Tab, truth: &Truth) {

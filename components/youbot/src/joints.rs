@@ -6,6 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use crate::limits::Limits;
+
 /// Joints with their targets and last status.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Joints {
@@ -26,6 +28,8 @@ pub(crate) struct Manner {
     pub speed: f64,
     /// Error bits to report, joint by joint; ten bits each.
     pub faults: Vec<u16>,
+    #[property(flatten)]
+    pub limits: Limits,
 }
 
 /// A goal for another number of joints.
@@ -126,6 +130,7 @@ mod tests {
             random,
             speed: 0.5,
             faults: vec![0, 0xffff],
+            limits: Limits::default(),
         }
     }
 

@@ -6,6 +6,7 @@ mod driver;
 mod inverse;
 mod joints;
 mod kinematics;
+mod limits;
 mod operator;
 mod period;
 mod unreachable;

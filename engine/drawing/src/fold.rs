@@ -2,10 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::picture::{CompositeFrame, EdgeEnd, EdgeKind, Picture, PictureEdge, PictureNode};
+use asmotion_plan::{MANY_NUMBERED, NumberedName};
 
-/// Number of equal boxes or frames in one frame from which they are folded.
-const MANY: usize = 4;
+use crate::picture::{CompositeFrame, EdgeEnd, EdgeKind, Picture, PictureEdge, PictureNode};
 
 /// Replaces boxes in one frame whose names differ only in their first number, and frames with the same contents, by the first of them.
 ///
@@ -280,14 +279,12 @@ impl Groups {
         folded.filter_map(|group| {
             let name = |it: &usize| members.get(*it).map(|it| it.name);
             let first = *group.first()?;
-            let (before, _, after) = numbered(name(&first)?)?;
-            let numbers = group.iter().filter_map(|it| {
-                let (_, number, _) = numbered(name(it)?)?;
-                number.parse::<u64>().ok()
-            });
-            let (least, greatest) = (numbers.clone().min()?, numbers.max()?);
-            let count = group.len();
-            Some((first, format!("{before}{least}…{greatest}{after} ×{count}")))
+            let numbered = NumberedName::of(name(&first)?)?;
+            let numbers = group.iter();
+            let numbers = numbers.filter_map(|it| NumberedName::of(name(it)?)?.number());
+            let range = (numbers.clone().min()?, numbers.max()?);
+            let (range, count) = (numbered.of_range(range), group.len());
+            Some((first, format!("{range} ×{count}")))
         })
     }
 }
@@ -295,22 +292,13 @@ impl Groups {
 /// Returns whether the members of a group are many, and have numbers.
 fn is_folded(group: &[usize], members: &[Member<'_>]) -> bool {
     let first = group.first().and_then(|it| members.get(*it));
-    group.len() >= MANY && first.is_some_and(|it| numbered(it.name).is_some())
+    group.len() >= MANY_NUMBERED && first.is_some_and(|it| NumberedName::of(it.name).is_some())
 }
 
 /// A name without its first number, which distinguishes it from one that never had one.
 fn pattern(name: &str) -> (String, Option<String>) {
-    match numbered(name) {
-        Some((before, _, after)) => (before.to_owned(), Some(after.to_owned())),
+    match NumberedName::of(name) {
+        Some(NumberedName { before, after, .. }) => (before.to_owned(), Some(after.to_owned())),
         None => (name.to_owned(), None),
     }
-}
-
-/// The parts of a name before, in and after its first number.
-fn numbered(name: &str) -> Option<(&str, &str, &str)> {
-    let begin = name.find(|it: char| it.is_ascii_digit())?;
-    let (before, rest) = name.split_at(begin);
-    let end = rest.find(|it: char| !it.is_ascii_digit());
-    let (number, after) = rest.split_at(end.unwrap_or(rest.len()));
-    Some((before, number, after))
 }

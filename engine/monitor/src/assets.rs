@@ -17,6 +17,7 @@ pub(crate) const FILES: &[(&str, &str, &str)] = files! {
     "findings.js": "text/javascript; charset=utf-8",
     "folding.js": "text/javascript; charset=utf-8",
     "graph.js": "text/javascript; charset=utf-8",
+    "guards.js": "text/javascript; charset=utf-8",
     "help.js": "text/javascript; charset=utf-8",
     "icon.svg": "image/svg+xml",
     "index.html": "text/html; charset=utf-8",

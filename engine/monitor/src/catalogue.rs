@@ -1,6 +1,5 @@
 //! The fixed part of what a dashboard shows: names, topics, and the texts of the specifications.
 
-#[cfg(feature = "recording")]
 use asmotion_component::Time;
 use asmotion_coordinator::CONTROL_STATES;
 use asmotion_lang::simulate;
@@ -8,9 +7,12 @@ use asmotion_lang::{ControlDiagram, FunctionKind, Loader, Specification};
 use asmotion_plan::{Component, Implementation, Part, Plan};
 use serde::Serialize;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 #[cfg(feature = "recording")]
 use crate::recording_description::RecordingDescription;
+
+use crate::step_guards::SpecificationTexts;
 
 /// The description of a system; by default, of an empty one.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -78,7 +80,9 @@ struct DescribedSpecification {
 #[derive(Clone, Debug, Serialize)]
 struct DescribedFile {
     name: String,
-    text: String,
+    text: Arc<str>,
+    #[serde(skip)]
+    path: String,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -194,6 +198,17 @@ impl SystemDescription {
         Some(&self.specification(component)?.functions)
     }
 
+    /// The texts of the specification that a component executes at a time.
+    pub(crate) fn texts_at(&self, component: &str, at: Time) -> SpecificationTexts {
+        let versions = self.specifications.iter();
+        let versions = versions.filter(|it| it.component == component);
+        let version = versions.filter(|it| it.from <= at.seconds()).next_back();
+        let files = version.into_iter().flat_map(|it| &it.files);
+        files
+            .map(|it| (it.path.clone(), Arc::clone(&it.text)))
+            .collect()
+    }
+
     fn specification(&self, component: &str) -> Option<&DescribedSpecification> {
         self.specifications
             .iter()
@@ -242,7 +257,8 @@ impl DescribedSpecification {
             from: 0.0,
             files: vec![DescribedFile {
                 name: main.rsplit('/').next().unwrap_or(main).to_owned(),
-                text: text.unwrap_or_default(),
+                text: text.unwrap_or_default().into(),
+                path: main.to_owned(),
             }],
             diagram: None,
             initial: Vec::new(),
@@ -292,7 +308,8 @@ fn files(specification: &Specification, main: &str) -> Vec<DescribedFile> {
         let file = sources.find(path)?;
         Some(DescribedFile {
             name: path.rsplit('/').next().unwrap_or(path).to_owned(),
-            text: sources.text(file).to_owned(),
+            text: sources.text(file).into(),
+            path: path.to_owned(),
         })
     });
     described.collect()

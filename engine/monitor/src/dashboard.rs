@@ -89,6 +89,7 @@ impl Dashboard {
             skipped: Arc::default(),
             run: run_name().into(),
             past: source.past,
+            repeater: Arc::default(),
             settings,
         };
         let handler = Arc::new(handler);

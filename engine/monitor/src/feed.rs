@@ -14,15 +14,17 @@ use asmotion_datum::{Sample, Schema};
 use asmotion_remote::Presence;
 use asmotion_runtime::{Event, Observer};
 use asmotion_viewer_encoding::ChannelSchema;
+use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::watch;
 
 use crate::bus_link::BusLink;
 use crate::catalogue::SystemDescription;
-use crate::log_entry;
+use crate::log_entry::{self, LogEntry};
 use crate::output_slot::{OutputSlot, OutputSummary};
 use crate::ring::Ring;
 use crate::specification_state::SpecificationState;
+use crate::step_guards::KnownStep;
 
 /// Number of steps that are kept.
 const STEPS: usize = 1024;
@@ -56,10 +58,10 @@ pub(crate) struct FeedState {
     pub time: Time,
     /// Steps as JSON.
     pub steps: Ring<Arc<str>>,
-    /// Log entries as JSON, without calls.
-    pub log: Ring<Arc<str>>,
+    /// Log entries without calls.
+    pub log: Ring<LogEntry>,
     /// Log entries of calls and replies, which can be many: they do not displace the others.
-    pub calls: Ring<Arc<str>>,
+    pub calls: Ring<LogEntry>,
     /// States of specifications, by component.
     pub specifications: BTreeMap<String, SpecificationState>,
     /// The last steps of each specification as JSON: a busy one does not displace those of the others.
@@ -70,6 +72,19 @@ pub(crate) struct FeedState {
     pub lost: u64,
     /// How the run has ended; `None` while it is under way.
     pub end: Option<String>,
+}
+
+/// A step as tabs receive it.
+#[derive(Deserialize)]
+struct ReportedStep {
+    t: f64,
+    step: StepRecord,
+}
+
+/// The time of a step or an entry, which is in seconds.
+pub(crate) fn time(seconds: f64) -> Time {
+    // a float has the nanoseconds of a hundred days
+    Time::from_nanos((seconds * 1e9).round() as i64)
 }
 
 /// A description of the components.
@@ -183,6 +198,38 @@ impl Feed {
     fn reach(&self, at: Time) {
         let mut state = self.state();
         state.time = state.time.max(at);
+    }
+
+    /// A step of a specification that is still known, with the state before it: the present one without the later updates.
+    pub(crate) fn known_step(&self, component: &str, number: u64) -> Option<KnownStep> {
+        let (steps, mut values) = {
+            let state = self.state();
+            let steps: Vec<Arc<str>> = state
+                .history
+                .get(component)?
+                .since(0)
+                .entries
+                .cloned()
+                .collect();
+            let values = state.specifications.get(component)?.values();
+            let owned = values.map(|(location, value)| (location.to_owned(), value.to_owned()));
+            (steps, owned.collect::<BTreeMap<String, String>>())
+        };
+        // without the lock: a step is read from its text
+        for step in steps.iter().rev() {
+            let ReportedStep { t, step } = serde_json::from_str(step).ok()?;
+            for update in &step.updates {
+                values.insert(update.location.clone(), update.before.clone());
+            }
+            if step.number == number {
+                return Some(KnownStep {
+                    before: values.into_iter().collect(),
+                    record: step,
+                    at: time(t),
+                });
+            }
+        }
+        None
     }
 
     /// Records a command of a tab.

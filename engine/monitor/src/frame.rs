@@ -9,9 +9,11 @@ use asmotion_component::Time;
 
 use crate::desk::Desk;
 use crate::feed::Feed;
+use crate::log_entry::LogEntry;
 use crate::output_slot::OutputSummary;
 use crate::rendering::quoted;
-use crate::subscriptions::{Cursors, Subscriptions};
+use crate::ring::Ring;
+use crate::subscriptions::{Cursors, FoundCursors, Subscriptions};
 use crate::ticker::{Shared, interval_number};
 use crate::under_way::UnderWay;
 
@@ -31,7 +33,8 @@ pub(crate) struct SharedFrames {
 
 /// What is new for tabs that have subscribed to the same and have seen the same.
 struct SharedNews {
-    outputs: Vec<Arc<str>>,
+    /// The outputs whose samples are sent, and whether all of them are.
+    outputs: Vec<(Arc<str>, bool)>,
     before: Cursors,
     after: Cursors,
     /// Members of a frame, each after a comma; empty if nothing is new.
@@ -54,8 +57,10 @@ impl SharedFrames {
     /// What is new for a tab.
     fn news(&mut self, subscriptions: &mut Subscriptions, feed: &Feed) -> Arc<str> {
         let is_same = |it: &&SharedNews| {
-            let outputs = subscriptions.samples.iter().map(|it| &it.name);
-            it.before == subscriptions.seen && it.outputs.iter().eq(outputs)
+            let outputs = subscriptions.samples.iter();
+            let outputs = outputs.map(|it| (&it.name, it.every));
+            let known = it.outputs.iter().map(|(name, every)| (name, *every));
+            it.before == subscriptions.seen && known.eq(outputs)
         };
         if let Some(known) = self.news.iter().find(is_same) {
             subscriptions.seen.clone_from(&known.after);
@@ -64,12 +69,13 @@ impl SharedFrames {
         let before = subscriptions.seen.clone();
         let mut parts = String::new();
         samples(subscriptions, feed, &mut parts);
+        batches(subscriptions, feed, &mut parts);
         rings(&mut subscriptions.seen, feed, &mut parts);
         outputs(&mut subscriptions.seen, feed, self.now(), &mut parts);
         let json: Arc<str> = parts.into();
         let outputs = subscriptions.samples.iter();
         self.news.push(SharedNews {
-            outputs: outputs.map(|it| Arc::clone(&it.name)).collect(),
+            outputs: outputs.map(|it| (Arc::clone(&it.name), it.every)).collect(),
             before,
             after: subscriptions.seen.clone(),
             json: Arc::clone(&json),
@@ -180,35 +186,91 @@ fn control(desk: &Desk, client: u64) -> Cow<'static, str> {
     }
 }
 
+/// The newest samples of outputs that have written.
 fn samples(subscriptions: &mut Subscriptions, feed: &Feed, parts: &mut String) {
-    let mut is_first = true;
+    let mut members = Members::new("samples");
     let cursors = &mut subscriptions.seen.samples;
-    for (subscription, sent) in subscriptions.samples.iter_mut().zip(cursors) {
-        if subscription.slot.is_none() {
-            subscription.slot = feed.output(&subscription.name);
-        }
-        let slot = subscription.slot.as_ref();
+    let subscribed = subscriptions.samples.iter_mut().zip(cursors);
+    for (subscription, sent) in subscribed.filter(|(it, _)| !it.every) {
+        let slot = subscription.find(feed);
         let Some(newest) = slot.and_then(|slot| slot.newer_than(*sent)) else {
             continue;
         };
         *sent = newest.number;
-        parts.push_str(if is_first { ",\"samples\":{" } else { "," });
-        is_first = false;
-        append(
+        members.add(
             parts,
             format_args!(
-                "{}:{{\"n\":{},\"t\":{},\"wall\":{:.1},\"type\":{},\"data\":{}}}",
+                "{}:{{\"n\":{},\"t\":{},\"type\":{},\"data\":{}}}",
                 quoted(&subscription.name),
                 newest.number,
                 newest.at.seconds(),
-                feed.milliseconds(newest.arrived),
                 quoted(newest.kind()),
                 newest.json(),
             ),
         );
     }
-    if !is_first {
-        parts.push('}');
+    members.end(parts);
+}
+
+/// All new samples of the outputs of which the tab receives every one: the number of the last, and pairs of time and content.
+fn batches(subscriptions: &mut Subscriptions, feed: &Feed, parts: &mut String) {
+    let mut members = Members::new("batches");
+    let cursors = &mut subscriptions.seen.samples;
+    let subscribed = subscriptions.samples.iter_mut().zip(cursors);
+    for (subscription, sent) in subscribed.filter(|(it, _)| it.every) {
+        let slot = subscription.find(feed);
+        let Some(batch) = slot.map(|slot| slot.batch_since(*sent)) else {
+            continue;
+        };
+        let Some(last) = batch.samples.last() else {
+            continue;
+        };
+        *sent = last.number;
+        members.add(
+            parts,
+            format_args!(
+                "{}:{{\"n\":{},\"missed\":{},\"type\":{},\"samples\":[",
+                quoted(&subscription.name),
+                last.number,
+                batch.missed,
+                quoted(last.kind()),
+            ),
+        );
+        for (index, sample) in batch.samples.iter().enumerate() {
+            let comma = if index == 0 { "" } else { "," };
+            let (t, json) = (sample.at.seconds(), sample.json());
+            append(parts, format_args!("{comma}[{t},{json}]"));
+        }
+        parts.push_str("]}");
+    }
+    members.end(parts);
+}
+
+/// An object in a frame, which is left out without members.
+struct Members {
+    name: &'static str,
+    count: usize,
+}
+
+impl Members {
+    fn new(name: &'static str) -> Self {
+        Self { name, count: 0 }
+    }
+
+    fn add(&mut self, parts: &mut String, member: std::fmt::Arguments<'_>) {
+        if self.count == 0 {
+            append(parts, format_args!(",\"{}\":{{", self.name));
+        } else {
+            parts.push(',');
+        }
+        self.count += 1;
+        append(parts, member);
+    }
+
+    fn end(self, parts: &mut String) {
+        if self.count > 0 {
+            parts.push('}');
+        }
     }
 }
 
@@ -226,16 +288,26 @@ fn rings(seen: &mut Cursors, feed: &Feed, parts: &mut String) {
             .collect();
         append(parts, format_args!(",\"history\":[{}]", history.join(",")));
     }
-    let rings = [
-        ("steps", &state.steps, &mut seen.steps),
-        ("log", &state.log, &mut seen.log),
-        ("calls", &state.calls, &mut seen.calls),
-    ];
-    for (name, ring, cursor) in rings {
-        if let Some(cursor) = cursor {
-            let reading = ring.since(*cursor);
-            list(parts, name, reading.entries, reading.missed);
-            *cursor = reading.next;
+    if let Some(cursor) = &mut seen.steps {
+        let reading = state.steps.since(*cursor);
+        list(parts, "steps", reading.entries.map(|it| &**it));
+        missed(parts, "steps", reading.missed);
+        *cursor = reading.next;
+    }
+    if let Some(found) = &mut seen.found {
+        entries_found(found, &state.log, &state.calls, parts);
+    } else {
+        let rings = [
+            ("log", &state.log, &mut seen.log),
+            ("calls", &state.calls, &mut seen.calls),
+        ];
+        for (name, ring, cursor) in rings {
+            if let Some(cursor) = cursor {
+                let reading = ring.since(*cursor);
+                list(parts, name, reading.entries.map(|it| &*it.json));
+                missed(parts, name, reading.missed);
+                *cursor = reading.next;
+            }
         }
     }
     if let (Some(sent), Some(presence)) = (&mut seen.components, &state.presence)
@@ -244,6 +316,31 @@ fn rings(seen: &mut Cursors, feed: &Feed, parts: &mut String) {
         *sent = presence.number;
         append(parts, format_args!(",\"components\":{}", presence.json));
     }
+}
+
+/// The entries that a tab has asked for, of all that are kept at first; an empty list then says that there are none.
+fn entries_found(
+    found: &mut FoundCursors,
+    log: &Ring<LogEntry>,
+    calls: &Ring<LogEntry>,
+    parts: &mut String,
+) {
+    let (notes, calls) = (log.since(found.log), calls.since(found.calls));
+    let takes = |entry: &&LogEntry| found.filter.takes(entry);
+    let (next, lost) = ((notes.next, calls.next), notes.missed + calls.missed);
+    let taken = notes.entries.chain(calls.entries).filter(takes);
+    let taken: Vec<&str> = taken.map(|it| &*it.json).collect();
+    if !taken.is_empty() || found.is_new {
+        let (number, entries) = (found.filter.number, taken.join(","));
+        append(
+            parts,
+            format_args!(",\"found\":{{\"filter\":{number},\"entries\":[{entries}]}}"),
+        );
+    }
+    // what was displaced before the tab asked is no loss
+    missed(parts, "log", if found.is_new { 0 } else { lost });
+    (found.log, found.calls) = next;
+    found.is_new = false;
 }
 
 fn outputs(seen: &mut Cursors, feed: &Feed, now: Instant, parts: &mut String) {
@@ -280,8 +377,11 @@ pub(crate) fn outputs_json(feed: &Feed) -> String {
         let rate = it
             .rate_hz
             .map_or_else(|| "null".to_owned(), |rate| format!("{rate:.3}"));
+        let bytes = it
+            .bytes
+            .map_or_else(|| "null".to_owned(), |bytes| bytes.to_string());
         format!(
-            "{{\"name\":{},\"type\":{},\"topic\":{topic},\"n\":{},\"hz\":{rate},\"age_ms\":{},\"stale\":{}}}",
+            "{{\"name\":{},\"type\":{},\"topic\":{topic},\"n\":{},\"hz\":{rate},\"bytes\":{bytes},\"age_ms\":{},\"stale\":{}}}",
             quoted(&it.name),
             quoted(it.kind),
             it.count,
@@ -293,12 +393,7 @@ pub(crate) fn outputs_json(feed: &Feed) -> String {
     format!("[{}]", outputs.join(","))
 }
 
-fn list<'a>(
-    parts: &mut String,
-    name: &str,
-    entries: impl ExactSizeIterator<Item = &'a Arc<str>>,
-    missed: u64,
-) {
+fn list<'a>(parts: &mut String, name: &str, entries: impl ExactSizeIterator<Item = &'a str>) {
     if entries.len() == 0 {
         return;
     }
@@ -307,9 +402,13 @@ fn list<'a>(
         let comma = if index == 0 { "" } else { "," };
         append(parts, format_args!("{comma}{entry}"));
     }
-    append(parts, format_args!("]"));
-    if missed > 0 {
-        append(parts, format_args!(",\"missed_{name}\":{missed}"));
+    parts.push(']');
+}
+
+/// The number of entries that a tab has missed.
+fn missed(parts: &mut String, name: &str, count: u64) {
+    if count > 0 {
+        append(parts, format_args!(",\"missed_{name}\":{count}"));
     }
 }
 
@@ -321,6 +420,7 @@ fn append(parts: &mut String, text: std::fmt::Arguments<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::subscriptions::WantedStreams;
     use asmotion_datum::Datum;
     use asmotion_runtime::{Event, Observer};
 
@@ -342,7 +442,11 @@ mod tests {
         let subscribed = |streams: &[&str]| {
             let mut subscriptions = Subscriptions::default();
             let streams: Vec<String> = streams.iter().map(|it| (*it).to_owned()).collect();
-            subscriptions.replace(&streams, &feed, 10).unwrap();
+            let wanted = WantedStreams {
+                streams: &streams,
+                ..WantedStreams::default()
+            };
+            subscriptions.replace(wanted, &feed, 10).unwrap();
             subscriptions
         };
         let mut one = subscribed(&["log", "Driver.odom"]);

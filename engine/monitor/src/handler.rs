@@ -22,6 +22,7 @@ use crate::metrics::ConnectionFigures;
 use crate::past::Past;
 use crate::session::Session;
 use crate::settings::DashboardSettings;
+use crate::step_guards::StepRepeater;
 use crate::ticker::{Shared, Ticker};
 use crate::{assets, foxglove, frame, guard, metrics};
 
@@ -43,6 +44,8 @@ pub(crate) struct DashboardHandler {
     pub run: Arc<str>,
     /// The run, if it is over and was recorded.
     pub past: Option<Arc<dyn Past>>,
+    /// Repeats steps for tabs that ask how they came about.
+    pub repeater: Arc<StepRepeater>,
 }
 
 /// The open WebSockets.
@@ -173,6 +176,7 @@ impl DashboardHandler {
             feed: self.feed.clone(),
             desk: Arc::clone(&self.desk),
             past: self.past.clone(),
+            repeater: Arc::clone(&self.repeater),
         };
         let closing = self.sessions.closing.subscribe();
         let ticker = Arc::clone(&self.sessions.ticker);

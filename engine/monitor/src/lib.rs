@@ -38,6 +38,7 @@ mod session;
 mod settings;
 mod socket;
 mod specification_state;
+mod step_guards;
 mod subscriptions;
 mod ticker;
 mod under_way;

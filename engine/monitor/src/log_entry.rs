@@ -8,6 +8,7 @@ use asmotion_coordinator::{
 };
 use asmotion_datum::{Datum, Sample};
 use asmotion_runtime::Event;
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// Limit on the length of a text in an entry, in characters.
@@ -17,12 +18,78 @@ const MAX_VALUES: usize = 12;
 /// Fields of messages that are not shown.
 const HIDDEN: &[&str] = &["header", "stamp", "plan", "covariance", "orientation"];
 
+/// The level of an entry, the least first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum LogLevel {
+    #[default]
+    Info,
+    Notice,
+    Warning,
+    Error,
+}
+
+impl LogLevel {
+    /// Its name in the messages to a tab.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Info => "info",
+            Self::Notice => "notice",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// An entry of the log.
+#[derive(Clone)]
+pub(crate) struct LogEntry {
+    pub level: LogLevel,
+    /// What a filter searches: kind, component and text in small letters.
+    searched: Arc<str>,
+    pub json: Arc<str>,
+}
+
+/// What a tab wants of the log.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LogFilter {
+    /// Number of the filter, which frames repeat.
+    pub number: u64,
+    /// The least level.
+    #[serde(default)]
+    pub level: LogLevel,
+    /// Words that must occur in kind, component or text, and `!word` for words that must not; whatever their case.
+    #[serde(default)]
+    pub words: Vec<String>,
+}
+
+impl LogFilter {
+    /// The same in small letters, as entries are searched.
+    pub(crate) fn lowercase(mut self) -> Self {
+        for word in &mut self.words {
+            *word = word.to_lowercase();
+        }
+        self
+    }
+
+    /// Returns whether an entry passes.
+    pub(crate) fn takes(&self, entry: &LogEntry) -> bool {
+        let passes = |word: &String| match word.strip_prefix('!') {
+            Some("") => true,
+            Some(word) => !entry.searched.contains(word),
+            None => entry.searched.contains(&**word),
+        };
+        entry.level >= self.level && self.words.iter().all(passes)
+    }
+}
+
 /// Makes an entry of an event; `None` if it is not worth a line. Messages on topics are recorded by
 /// [`message`].
-pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
+pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<LogEntry> {
     let entry = match event {
         Event::Injected { target, sample, .. } => {
-            entry(at, "info", "message", target, &brief(*sample))
+            entry(at, LogLevel::Info, "message", target, &brief(*sample))
         }
         Event::Called {
             component,
@@ -38,7 +105,7 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
                 String::new()
             };
             let text = format!("{reference}.{operation} {}{repeated}", brief(*argument));
-            entry(at, "info", "call", component, &text)
+            entry(at, LogLevel::Info, "call", component, &text)
         }
         Event::Replied {
             component,
@@ -49,12 +116,12 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
         } => {
             let (level, outcome) = match result {
                 Ok(sample) => (
-                    "info",
+                    LogLevel::Info,
                     Some(brief(*sample))
                         .filter(|it| !it.is_empty())
                         .unwrap_or_else(|| "done".to_owned()),
                 ),
-                Err(error) => ("warning", error.to_string()),
+                Err(error) => (LogLevel::Warning, error.to_string()),
             };
             let text = format!("{reference}.{operation} → {outcome}");
             entry(at, level, "reply", component, &text)
@@ -65,17 +132,17 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
             to,
         } => entry(
             at,
-            "info",
+            LogLevel::Info,
             "life cycle",
             component,
             &format!("{from} → {to}"),
         ),
         Event::Fault { component, fault } => {
-            entry(at, "error", "fault", component, &fault.to_string())
+            entry(at, LogLevel::Error, "fault", component, &fault.to_string())
         }
         Event::Overrun { component, missed } => entry(
             at,
-            "warning",
+            LogLevel::Warning,
             "overrun",
             component,
             &format!("missed {missed} periods"),
@@ -86,11 +153,15 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
             deadline,
         } => {
             let text = format!("a cycle took {took:.1?}, its deadline is {deadline:.1?}");
-            entry(at, "warning", "late", component, &text)
+            entry(at, LogLevel::Warning, "late", component, &text)
         }
-        Event::Denied { component, denied } => {
-            entry(at, "warning", "denied", component, &denied.to_string())
-        }
+        Event::Denied { component, denied } => entry(
+            at,
+            LogLevel::Warning,
+            "denied",
+            component,
+            &denied.to_string(),
+        ),
         Event::Dropped {
             component,
             port,
@@ -101,7 +172,7 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
             let reason =
                 reason.map_or_else(|| "the connection is full".to_owned(), ToString::to_string);
             let text = format!("{port} to {to}: {total} dropped, {reason}");
-            entry(at, "warning", "dropped", component, &text)
+            entry(at, LogLevel::Warning, "dropped", component, &text)
         }
         Event::Property {
             component,
@@ -109,7 +180,7 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
             value,
         } => entry(
             at,
-            "info",
+            LogLevel::Info,
             "property",
             component,
             &format!("{property} = {value}"),
@@ -130,7 +201,7 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
         }
         Event::Lost { count } => entry(
             at,
-            "warning",
+            LogLevel::Warning,
             "lost",
             "",
             &format!("{count} events were not observed"),
@@ -141,10 +212,10 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<Arc<str>> {
 }
 
 /// Makes an entry of a message on a topic.
-pub(crate) fn message(at: Time, component: &str, topic: &str, sample: &dyn Sample) -> Arc<str> {
+pub(crate) fn message(at: Time, component: &str, topic: &str, sample: &dyn Sample) -> LogEntry {
     entry(
         at,
-        "info",
+        LogLevel::Info,
         "message",
         component,
         &format!("{topic} {}", brief(sample)),
@@ -152,27 +223,39 @@ pub(crate) fn message(at: Time, component: &str, topic: &str, sample: &dyn Sampl
 }
 
 /// Makes an entry of a command from a tab.
-pub(crate) fn command(at: Time, client: &str, text: &str) -> Arc<str> {
-    entry(at, "notice", "command", client, text)
+pub(crate) fn command(at: Time, client: &str, text: &str) -> LogEntry {
+    entry(at, LogLevel::Notice, "command", client, text)
 }
 
 /// The level of a report that is worth a line.
-pub(crate) fn level_of(kind: &str) -> Option<&'static str> {
+pub(crate) fn level_of(kind: &str) -> Option<LogLevel> {
     Some(match kind {
-        LOG_REPORT => "info",
-        NOTICE_REPORT => "notice",
-        LOSSES_REPORT | BAD_REPLY_REPORT | UNFIT_REPORT | UNSENT_REPORT => "warning",
-        VIOLATION_REPORT => "error",
+        LOG_REPORT => LogLevel::Info,
+        NOTICE_REPORT => LogLevel::Notice,
+        LOSSES_REPORT | BAD_REPLY_REPORT | UNFIT_REPORT | UNSENT_REPORT => LogLevel::Warning,
+        VIOLATION_REPORT => LogLevel::Error,
         _ => return None,
     })
 }
 
 /// Makes an entry.
-pub(crate) fn entry(at: Time, level: &str, kind: &str, component: &str, text: &str) -> Arc<str> {
+pub(crate) fn entry(
+    at: Time,
+    level: LogLevel,
+    kind: &str,
+    component: &str,
+    text: &str,
+) -> LogEntry {
+    let text = shortened(text);
+    let searched = format!("{kind} {component} {text}").to_lowercase();
     let entry: Value = json!({
-        "t": at.seconds(), "level": level, "kind": kind, "component": component, "text": shortened(text),
+        "t": at.seconds(), "level": level.name(), "kind": kind, "component": component, "text": text,
     });
-    entry.to_string().into()
+    LogEntry {
+        level,
+        searched: searched.into(),
+        json: entry.to_string().into(),
+    }
 }
 
 /// The content of a message in a few words: its values without times and frames, or its type if there are many.
@@ -226,5 +309,36 @@ fn shortened(text: &str) -> String {
     match text.char_indices().nth(MAX_TEXT) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_filter_takes_a_level_and_words_whatever_their_case() {
+        let entry = entry(
+            Time::ZERO,
+            LogLevel::Warning,
+            "reply",
+            "Rover/Nav",
+            "plan → Late",
+        );
+        let takes = |level, words: &[&str]| {
+            let words = words.iter().map(|it| (*it).to_owned()).collect();
+            let number = 1;
+            let filter = LogFilter {
+                number,
+                level,
+                words,
+            };
+            filter.lowercase().takes(&entry)
+        };
+        assert!(takes(LogLevel::Info, &[]) && takes(LogLevel::Warning, &["ROVER", "late"]));
+        assert!(!takes(LogLevel::Error, &[]) && !takes(LogLevel::Info, &["arm"]));
+        assert!(
+            takes(LogLevel::Info, &["!arm", "!"]) && !takes(LogLevel::Info, &["nav", "!Reply"])
+        );
     }
 }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_component::Time;
-use asmotion_datum::{Datum, DatumError, Sample};
+use asmotion_datum::{Codec, Datum, DatumError, Sample, Schema};
 use asmotion_viewer_encoding::ChannelSchema;
 
 use crate::rendering;
@@ -21,10 +21,14 @@ const REGULAR: usize = 8;
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Mean interval in seconds of the run from which samples count as events.
 const RARE_S: f64 = 0.5;
-/// Number of recent samples that are kept for viewers.
+/// Number of recent samples that a viewer receives at once.
 const RECENT: usize = 4;
 /// Age from which a sample is not recent any more.
 const RECENT_AGE: Duration = Duration::from_millis(50);
+/// Number of samples that are kept for tabs that receive all of them: those of a second at 500 Hz, for a tab in the background.
+const ALL: usize = 512;
+/// Interval between two measurements of the size of samples.
+const MEASURED: Duration = Duration::from_secs(1);
 /// Number of intervals after which a silent output is stale.
 const GAPS: u32 = 4;
 
@@ -33,23 +37,41 @@ pub(crate) struct OutputSlot {
     /// Full name, `Component.port`.
     pub name: Arc<str>,
     /// Number of viewers that receive its recent samples.
-    followers: AtomicUsize,
+    recent_followers: AtomicUsize,
+    /// Number of tabs that receive all of its samples.
+    all_followers: AtomicUsize,
     state: Mutex<OutputState>,
 }
 
-/// Lets an output keep its recent samples as long as this exists.
-pub(crate) struct SlotFollower(Arc<OutputSlot>);
+/// What a follower wants of an output besides the newest sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum KeptSamples {
+    /// Those shortly before it.
+    Recent,
+    /// All since the last time.
+    All,
+}
+
+/// Lets an output keep samples as long as this exists.
+pub(crate) struct SlotFollower {
+    slot: Arc<OutputSlot>,
+    kept: KeptSamples,
+}
 
 impl SlotFollower {
-    pub(crate) fn new(slot: &Arc<OutputSlot>) -> Self {
-        slot.followers.fetch_add(1, Ordering::Relaxed);
-        Self(Arc::clone(slot))
+    pub(crate) fn new(slot: &Arc<OutputSlot>, kept: KeptSamples) -> Self {
+        slot.followers(kept).fetch_add(1, Ordering::Relaxed);
+        Self {
+            slot: Arc::clone(slot),
+            kept,
+        }
     }
 }
 
 impl Drop for SlotFollower {
     fn drop(&mut self) {
-        self.0.followers.fetch_sub(1, Ordering::Relaxed);
+        let followers = self.slot.followers(self.kept);
+        followers.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -57,13 +79,32 @@ impl Drop for SlotFollower {
 struct OutputState {
     count: u64,
     newest: Option<Arc<NewestSample>>,
-    /// The newest sample and those shortly before it, if there are followers: events arrive in bursts, in which the newest one
-    /// would hide the others.
-    recent: VecDeque<Arc<NewestSample>>,
+    /// The newest sample and those before it, as far as followers want them: charts show all, and events arrive in bursts, in which
+    /// the newest one would hide the others.
+    kept: VecDeque<Arc<NewestSample>>,
     arrivals: VecDeque<(Instant, Time)>,
     topic: Option<Arc<str>>,
     /// Type of the samples for viewers, once one has needed it.
     schema: Option<Arc<ChannelSchema>>,
+    /// Size of the last sample that was measured.
+    size: Option<MeasuredSize>,
+}
+
+/// The size of a sample.
+#[derive(Clone, Copy)]
+struct MeasuredSize {
+    /// Number of the sample.
+    of: u64,
+    measured: Instant,
+    /// Bytes in CBOR, as over a bus.
+    bytes: usize,
+}
+
+/// Samples since a number, oldest first.
+pub(crate) struct SampleBatch {
+    pub samples: Vec<Arc<NewestSample>>,
+    /// Number of samples since then that are not kept any more.
+    pub missed: u64,
 }
 
 /// A sample as a message of a channel; `None` if it has no encoding.
@@ -91,6 +132,8 @@ pub(crate) struct OutputSummary {
     pub count: u64,
     /// Samples per second of the run over the last samples; `None` before the second one.
     pub rate_hz: Option<f64>,
+    /// Size of a sample in bytes, as over a bus; `None` if it has no encoding.
+    pub bytes: Option<usize>,
     pub age: Duration,
     /// Whether an output with regular samples has fallen silent.
     pub is_stale: bool,
@@ -138,8 +181,28 @@ impl OutputSlot {
     pub(crate) fn new(name: String) -> Self {
         Self {
             name: name.into(),
-            followers: AtomicUsize::new(0),
+            recent_followers: AtomicUsize::new(0),
+            all_followers: AtomicUsize::new(0),
             state: Mutex::default(),
+        }
+    }
+
+    fn followers(&self, kept: KeptSamples) -> &AtomicUsize {
+        match kept {
+            KeptSamples::Recent => &self.recent_followers,
+            KeptSamples::All => &self.all_followers,
+        }
+    }
+
+    /// Number of samples that are kept now.
+    fn kept_count(&self) -> usize {
+        let is_wanted = |kept| self.followers(kept).load(Ordering::Relaxed) > 0;
+        if is_wanted(KeptSamples::All) {
+            ALL
+        } else if is_wanted(KeptSamples::Recent) {
+            RECENT
+        } else {
+            0
         }
     }
 
@@ -167,16 +230,12 @@ impl OutputSlot {
             json: OnceLock::new(),
             encoded: OnceLock::new(),
         });
-        if self.followers.load(Ordering::Relaxed) == 0 {
-            state.recent.clear();
-        } else {
-            if state.recent.len() == RECENT {
-                state.recent.pop_front();
-            }
-            let is_recent =
-                |it: &Arc<NewestSample>| arrived.duration_since(it.arrived) < RECENT_AGE;
-            state.recent.retain(is_recent);
-            state.recent.push_back(Arc::clone(&newest));
+        let kept = self.kept_count();
+        if kept > 0 {
+            state.kept.push_back(Arc::clone(&newest));
+        }
+        while state.kept.len() > kept {
+            state.kept.pop_front();
         }
         state.newest = Some(newest);
     }
@@ -211,11 +270,42 @@ impl OutputSlot {
     }
 
     /// The recent samples that are newer than this one, at least the newest sample if it is.
-    pub(crate) fn all_newer_than(&self, number: u64) -> Vec<Arc<NewestSample>> {
+    pub(crate) fn recent_newer_than(&self, number: u64) -> Vec<Arc<NewestSample>> {
         let state = self.state();
-        let newest = state.newest.iter().filter(|_| state.recent.is_empty());
-        let newer = state.recent.iter().chain(newest);
-        newer.filter(|it| it.number > number).cloned().collect()
+        let Some(newest) = &state.newest else {
+            return Vec::new();
+        };
+        let is_recent = |it: &&Arc<NewestSample>| {
+            it.number > number && newest.arrived.duration_since(it.arrived) < RECENT_AGE
+        };
+        let from = state.kept.len().saturating_sub(RECENT);
+        let recent: Vec<_> = state
+            .kept
+            .range(from..)
+            .filter(is_recent)
+            .cloned()
+            .collect();
+        let is_new = newest.number > number && recent.is_empty();
+        if is_new {
+            return vec![Arc::clone(newest)];
+        }
+        recent
+    }
+
+    /// All samples that are newer than this one, as far as they are kept; at least the newest sample if it is.
+    pub(crate) fn batch_since(&self, number: u64) -> SampleBatch {
+        let state = self.state();
+        let is_new = |it: &&Arc<NewestSample>| it.number > number;
+        let mut samples: Vec<_> = state.kept.iter().filter(is_new).cloned().collect();
+        if samples.is_empty() {
+            samples.extend(state.newest.iter().filter(is_new).cloned());
+        }
+        // who has not seen any has missed none
+        let next = samples.first().filter(|_| number > 0).map(|it| it.number);
+        SampleBatch {
+            samples,
+            missed: next.map_or(0, |next| next - number - 1),
+        }
     }
 
     /// Returns whether its samples are events, which come less often than once in half a second of the run.
@@ -229,7 +319,35 @@ impl OutputSlot {
         gaps == 0 || last.since(*first).as_secs_f64() / gaps as f64 > RARE_S
     }
 
+    /// Measures the size of the newest sample, unless that was done within the last second.
+    fn measure(&self, now: Instant) {
+        let newest = {
+            let state = self.state();
+            let Some(newest) = &state.newest else {
+                return;
+            };
+            let is_known = state.size.is_some_and(|size| {
+                size.of == newest.number || now.saturating_duration_since(size.measured) < MEASURED
+            });
+            if is_known {
+                return;
+            }
+            Arc::clone(newest)
+        };
+        // without the lock: a map takes a while
+        let bytes = newest.datum().and_then(|datum| {
+            let schema = Schema::opaque(newest.kind());
+            Codec::Cbor.encode(&datum, &schema)
+        });
+        self.state().size = bytes.ok().map(|bytes| MeasuredSize {
+            of: newest.number,
+            measured: now,
+            bytes: bytes.len(),
+        });
+    }
+
     pub(crate) fn summary(&self, now: Instant) -> Option<OutputSummary> {
+        self.measure(now);
         let state = self.state();
         let newest = state.newest.as_ref()?;
         let (first, last) = (state.arrivals.front()?, state.arrivals.back()?);
@@ -244,6 +362,7 @@ impl OutputSlot {
             kind: newest.kind(),
             count: state.count,
             rate_hz: (run > 0.0).then(|| f64::from(gaps) / run),
+            bytes: state.size.map(|size| size.bytes),
             age,
             is_stale: is_regular && gap.is_some_and(|gap| age > (gap * GAPS).max(PATIENCE)),
         })
@@ -292,13 +411,13 @@ mod tests {
     fn recent_samples_are_kept_for_followers() {
         let slot = Arc::new(OutputSlot::new("Driver.odom".to_owned()));
         let numbers = |since| {
-            let newer = slot.all_newer_than(since).into_iter();
+            let newer = slot.recent_newer_than(since).into_iter();
             newer.map(|it| it.number).collect::<Vec<_>>()
         };
         let publish = || slot.publish(Time::ZERO, None, &Datum::Null);
         (0..3).for_each(|_| publish());
         assert_eq!(numbers(0), [3]);
-        let follower = SlotFollower::new(&slot);
+        let follower = SlotFollower::new(&slot, KeptSamples::Recent);
         (0..6).for_each(|_| publish());
         assert_eq!(numbers(3), [6, 7, 8, 9]);
         assert_eq!(numbers(8), [9]);
@@ -308,5 +427,47 @@ mod tests {
         drop(follower);
         (0..2).for_each(|_| publish());
         assert_eq!(numbers(0), [12]);
+    }
+
+    #[test]
+    fn all_samples_are_kept_for_those_who_show_all_and_what_is_gone_is_counted() {
+        let slot = Arc::new(OutputSlot::new("Arm.status".to_owned()));
+        let publish = |count| (0..count).for_each(|_| slot.publish(Time::ZERO, None, &Datum::Null));
+        let batch = |since| {
+            let batch = slot.batch_since(since);
+            let numbers = batch.samples.iter().map(|it| it.number);
+            (numbers.collect::<Vec<_>>(), batch.missed)
+        };
+        publish(3);
+        // nobody has wanted the others
+        assert_eq!(batch(0), (vec![3], 0));
+        let follower = SlotFollower::new(&slot, KeptSamples::All);
+        let viewer = SlotFollower::new(&slot, KeptSamples::Recent);
+        publish(7);
+        assert_eq!(batch(3), ((4..=10).collect(), 0));
+        assert_eq!(batch(10), (Vec::new(), 0));
+        // a viewer receives the recent ones all the same
+        assert_eq!(slot.recent_newer_than(0).len(), RECENT);
+        publish(ALL);
+        let (numbers, missed) = batch(8);
+        assert_eq!((numbers.len(), numbers[0], missed), (ALL, 11, 2));
+        drop(follower);
+        publish(1);
+        assert_eq!(batch(0).0.len(), RECENT);
+        drop(viewer);
+        publish(1);
+        assert_eq!(batch(0).0.len(), 1);
+    }
+
+    #[test]
+    fn the_size_of_a_sample_is_that_over_a_bus() {
+        let slot = OutputSlot::new("Driver.odom".to_owned());
+        slot.publish(Time::ZERO, None, &Datum::text("12345678"));
+        let begun = Instant::now();
+        // a byte says that it is a text of eight bytes
+        assert_eq!(slot.summary(begun).unwrap().bytes, Some(9));
+        slot.publish(Time::ZERO, None, &Datum::text("1234"));
+        assert_eq!(slot.summary(begun).unwrap().bytes, Some(9));
+        assert_eq!(slot.summary(begun + MEASURED).unwrap().bytes, Some(5));
     }
 }

@@ -6,14 +6,22 @@ use asmotion_datum::Datum;
 use asmotion_remote::OrderKind;
 use serde::Deserialize;
 
+use crate::log_entry::LogFilter;
+
 /// A message of a tab, in JSON.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum PageRequest {
     /// Replaces the subscriptions.
     Subscribe {
-        /// `components`, `outputs`, `steps`, `log`, or an output `Component.port`.
+        /// `components`, `outputs`, `steps`, `log`, or an output `Component.port`, whose newest sample is sent.
         streams: Vec<String>,
+        /// Outputs, `Component.port`, of which every sample is sent, in batches.
+        #[serde(default)]
+        every: Vec<String>,
+        /// The part of the log that is sent; all of it by default.
+        #[serde(default)]
+        log: Option<LogFilter>,
         /// Limit on frames per second.
         max_hz: f64,
     },
@@ -25,9 +33,21 @@ pub(crate) enum PageRequest {
         span: f64,
         /// Whether the tab needs the steps and log entries around it.
         window: bool,
+        /// The part of the log that the tab needs; all of it by default.
+        #[serde(default)]
+        log: Option<LogFilter>,
         /// Numbers of the samples that the tab has, by output.
         #[serde(default)]
         has: BTreeMap<String, u64>,
+    },
+    /// Asks for the guards on the way to the updates of a step.
+    Guards {
+        /// Name of the component.
+        component: String,
+        /// Number of the step.
+        number: u64,
+        /// Time of the step, in seconds of the run.
+        t: f64,
     },
     /// The tab has processed a frame.
     Ack {

@@ -4,10 +4,16 @@ use std::collections::BTreeMap;
 
 use asmotion_component::Time;
 
+use crate::log_entry::LogFilter;
+use crate::step_guards::KnownStep;
+
 /// A run that is over.
 pub(crate) trait Past: Send + Sync {
     /// Time of its last event.
     fn end(&self) -> Time;
+
+    /// The step of a component with this number and time in seconds; `None` if there is none.
+    fn known_step(&self, component: &str, number: u64, t: f64) -> Option<KnownStep>;
 
     /// The message about a moment, as JSON.
     fn moment(&self, request: &MomentRequest<'_>) -> String;
@@ -25,6 +31,8 @@ pub(crate) struct MomentRequest<'a> {
     pub span: f64,
     /// Whether the tab needs the steps and log entries around it.
     pub window: bool,
+    /// The part of the log that the tab needs; `None` for all of it.
+    pub log: Option<LogFilter>,
     /// Whether the tab needs the components.
     pub components: bool,
     /// Outputs whose samples the tab shows.

@@ -10,7 +10,6 @@ mod file;
 mod moment;
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use asmotion_component::Time;
 use asmotion_coordinator::StepRecord;
@@ -18,6 +17,7 @@ use asmotion_recording::MessageData;
 
 use self::components::RecordedComponents;
 use crate::catalogue::SystemDescription;
+use crate::log_entry::LogEntry;
 use crate::specification_state::SpecificationState;
 
 /// Number of steps between two stored states of a specification.
@@ -52,7 +52,7 @@ pub(crate) struct RunMoments {
 /// A line of the log.
 struct RecordedEntry {
     at: Time,
-    json: Arc<str>,
+    entry: LogEntry,
 }
 
 /// The samples of an output.

@@ -19,10 +19,12 @@ use crate::client::{Client, serve};
 use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::frame::{FrameWriter, SharedFrames};
+use crate::log_entry::LogFilter;
 use crate::page_request::PageRequest;
 use crate::past::{MomentRequest, Past};
 use crate::settings::DashboardSettings;
-use crate::subscriptions::{self, Subscriptions};
+use crate::step_guards::StepRepeater;
+use crate::subscriptions::{self, Subscriptions, WantedStreams};
 use crate::ticker::Ticker;
 
 /// Version of the messages.
@@ -41,6 +43,7 @@ pub(crate) struct Session {
     pub desk: Arc<Desk>,
     /// The run, if it is over and was recorded.
     pub past: Option<Arc<dyn Past>>,
+    pub repeater: Arc<StepRepeater>,
 }
 
 /// The part of a session that changes.
@@ -144,16 +147,27 @@ impl Session {
             }
         };
         match request {
-            PageRequest::Subscribe { streams, max_hz } => {
+            PageRequest::Subscribe {
+                streams,
+                every,
+                log,
+                max_hz,
+            } => {
                 progress.interval = subscriptions::interval(max_hz);
                 let limit = self.settings.max_subscriptions;
-                let replaced = progress.subscriptions.replace(&streams, &self.feed, limit);
+                let wanted = WantedStreams {
+                    streams: &streams,
+                    every: &every,
+                    log,
+                };
+                let replaced = progress.subscriptions.replace(wanted, &self.feed, limit);
                 replaced.err().map(|error| problem(None, &error))
             }
             PageRequest::Seek {
                 t,
                 span,
                 window,
+                log,
                 has,
             } => Some(self.moment(
                 progress,
@@ -161,11 +175,17 @@ impl Session {
                     t,
                     span,
                     window,
+                    log: log.map(LogFilter::lowercase),
                     components: progress.subscriptions.seen.components.is_some(),
                     outputs: Vec::new(),
                     has: &has,
                 },
             )),
+            PageRequest::Guards {
+                component,
+                number,
+                t,
+            } => Some(self.guards(&component, number, t)),
             PageRequest::Ack { seq } => {
                 progress.writer.acknowledge(seq);
                 None
@@ -204,6 +224,27 @@ impl Session {
         let samples = progress.subscriptions.samples.iter();
         request.outputs = samples.map(|it| &*it.name).collect();
         past.moment(&request)
+    }
+
+    /// The message about the guards of a step.
+    fn guards(&self, component: &str, number: u64, t: f64) -> String {
+        let step = match &self.past {
+            Some(past) => past.known_step(component, number, t),
+            None => self.feed.known_step(component, number),
+        };
+        let forgotten = || "this step is not kept any more".to_owned();
+        let found = step.ok_or_else(forgotten).and_then(|step| {
+            let texts = self.feed.system().texts_at(component, step.at);
+            self.repeater.guards(texts, &step)
+        });
+        let (updates, problem) = match found {
+            Ok(updates) => (updates, None),
+            Err(problem) => (json!([]), Some(problem)),
+        };
+        json!({
+            "type": "guards", "component": component, "number": number, "t": t, "updates": updates, "problem": problem,
+        })
+        .to_string()
     }
 
     /// The orders that pass a message to all subscribers of a topic.

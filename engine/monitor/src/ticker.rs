@@ -7,6 +7,17 @@ use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 use tokio::time::sleep_until;
 
+/// The shortest interval of a clock. Those of all clocks are multiples of it, so that one wake-up of the thread serves all clients that are
+/// due, of whatever kind and rate.
+pub(crate) const TICK: Duration = Duration::from_micros(16_667);
+
+/// The shortest interval of a clock at which a rate in Hz is not exceeded.
+pub(crate) fn interval_at(hz: f64) -> Duration {
+    let ticks = (1.0 / (hz * TICK.as_secs_f64())).ceil();
+    // a rate that is no number, or too low for a number of ticks, has the longest interval
+    TICK * (ticks.clamp(1.0, 1e6) as u32)
+}
+
 /// A client of a ticker, with what all of its clients share.
 pub(crate) trait Ticked<S>: Send + Sync {
     /// A tick, if it is due by now. Returns the time of the next one.
@@ -136,6 +147,24 @@ fn since_beginning(at: Instant) -> Duration {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_slow_clock_ticks_together_with_a_fast_one() {
+        let begun = Instant::now();
+        let of = |hz| interval_at(hz).as_micros() / TICK.as_micros();
+        assert_eq!(
+            [60.0, 50.0, 30.0, 20.0, 5.0, 1.0].map(of),
+            [1, 2, 2, 3, 12, 60]
+        );
+        for hz in [30.0, 20.0, 5.0, 1.0] {
+            let mut slow = begun;
+            for _ in 0..20 {
+                slow = next_tick(interval_at(hz), slow);
+                let before = slow - Duration::from_nanos(1);
+                assert_eq!(next_tick(TICK, before), slow, "{hz} Hz");
+            }
+        }
+    }
 
     #[test]
     fn clocks_of_an_interval_tick_at_the_same_time() {

@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::ticker::interval_number;
+use crate::ticker::{TICK, interval_number};
 
 /// Limit on requests for an acknowledgement that the client has not answered.
 const MAX_UNANSWERED: usize = 2;
 /// Shortest interval between such requests. An acknowledgement costs as much as half a message.
-const INTERVAL: Duration = Duration::from_millis(50);
+const INTERVAL: Duration = TICK.saturating_mul(6);
 
 /// The numbers of the messages whose acknowledgement was asked for and has not arrived. After the second one nothing is sent, so that
 /// what is under way was sent within two intervals.
@@ -54,18 +54,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_client_that_answers_nothing_has_a_tenth_of_a_second_under_way() {
+    fn a_client_that_answers_nothing_has_a_fifth_of_a_second_under_way() {
         let mut under_way = UnderWay::default();
         let begun = Instant::now();
         let mut sent = Vec::new();
         for number in 1..=50 {
-            let now = begun + Duration::from_millis(20) * number;
+            let now = begun + TICK * number;
             if under_way.has_room() {
                 under_way.ask(number.into(), now);
                 sent.push(u64::from(number));
             }
         }
-        assert!(sent.len() <= 4, "{sent:?}");
+        assert!(
+            TICK * sent.len() as u32 <= Duration::from_millis(210),
+            "{sent:?}"
+        );
         assert!(!under_way.acknowledge(0) && !under_way.has_room());
         // the last one has asked
         assert!(under_way.acknowledge(*sent.last().unwrap()));

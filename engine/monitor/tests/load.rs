@@ -117,6 +117,8 @@ struct Clients {
     stop: Arc<AtomicBool>,
     /// Number of messages that each has received.
     received: Vec<Arc<AtomicU64>>,
+    /// Number of samples of the arm in the batches of all tabs.
+    charted: Arc<AtomicU64>,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -126,12 +128,14 @@ impl Clients {
         system: &LoadedSystem,
         count: usize,
         (path, protocol): (&str, Option<&'static str>),
-        answer: fn(&mut WebSocket<TcpStream>, &str),
+        answer: fn(&mut WebSocket<TcpStream>, &str, &AtomicU64),
     ) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
         let address = system.server.address();
         let received: Vec<Arc<AtomicU64>> = (0..count).map(|_| Arc::default()).collect();
+        let charted: Arc<AtomicU64> = Arc::default();
         let threads = received.iter().map(|received| {
+            let charted = Arc::clone(&charted);
             let mut request = format!("ws://{address}{path}")
                 .into_client_request()
                 .unwrap();
@@ -151,7 +155,7 @@ impl Clients {
                     match socket.read() {
                         Ok(Message::Text(text)) => {
                             received.fetch_add(1, Ordering::Relaxed);
-                            answer(&mut socket, &text);
+                            answer(&mut socket, &text, &charted);
                         }
                         Ok(Message::Binary(_)) => {
                             received.fetch_add(1, Ordering::Relaxed);
@@ -166,39 +170,33 @@ impl Clients {
         Self {
             stop,
             received,
+            charted,
             threads,
         }
     }
 
-    /// Tabs that show everything, at most 50 times in a second.
+    /// Tabs that show everything as the page does: every sample of the joints, of other outputs the newest one, in as many frames as it
+    /// draws.
     fn tabs(system: &LoadedSystem, count: usize) -> Self {
-        Self::start(system, count, ("/live", None), |socket, text| {
-            let message: Value = serde_json::from_str(text).unwrap();
-            if message["ack"] == false {
-                return;
-            }
-            let answer = if message["type"] == "hello" {
-                let streams = [
-                    "components",
-                    "outputs",
-                    "steps",
-                    "log",
-                    "Driver.odom",
-                    "Laser.scan",
-                    "Arm.status",
-                ];
-                json!({ "type": "subscribe", "streams": streams, "max_hz": 50.0 })
-            } else {
-                json!({ "type": "ack", "seq": message["seq"] })
-            };
-            let _ = socket.send(Message::text(answer.to_string()));
+        Self::start(system, count, ("/live", None), |socket, text, charted| {
+            let outputs = ["Driver.odom", "Laser.scan"];
+            answer_frame(socket, text, charted, (&outputs, &["Arm.status"], 20.0));
+        })
+    }
+
+    /// Tabs that receive every sample of all outputs, in as many frames as the server sends.
+    fn greedy_tabs(system: &LoadedSystem, count: usize) -> Self {
+        Self::start(system, count, ("/live", None), |socket, text, charted| {
+            let outputs = OUTPUTS.map(|(component, port)| format!("{component}.{port}"));
+            let outputs = outputs.each_ref().map(|it| &**it);
+            answer_frame(socket, text, charted, (&[], &outputs, 60.0));
         })
     }
 
     /// Viewers that subscribe to every channel.
     fn viewers(system: &LoadedSystem, count: usize) -> Self {
         let place = ("/foxglove", Some("foxglove.sdk.v1"));
-        Self::start(system, count, place, |socket, text| {
+        Self::start(system, count, place, |socket, text, _| {
             let message: Value = serde_json::from_str(text).unwrap();
             let channels = message["channels"].as_array().into_iter().flatten();
             let wanted: Vec<Value> = channels
@@ -224,6 +222,29 @@ impl Clients {
         }
         self.received().collect()
     }
+}
+
+/// Subscribes to everything, counts the samples of the arm, and acknowledges frames that ask for it.
+fn answer_frame(
+    socket: &mut WebSocket<TcpStream>,
+    text: &str,
+    charted: &AtomicU64,
+    (outputs, every, max_hz): (&[&str], &[&str], f64),
+) {
+    let message: Value = serde_json::from_str(text).unwrap();
+    let samples = message["batches"]["Arm.status"]["samples"].as_array();
+    let samples = samples.map_or(0, Vec::len);
+    charted.fetch_add(samples as u64, Ordering::Relaxed);
+    if message["ack"] == false {
+        return;
+    }
+    let answer = if message["type"] == "hello" {
+        let streams = [&["components", "outputs", "steps", "log"], outputs].concat();
+        json!({ "type": "subscribe", "streams": streams, "every": every, "max_hz": max_hz })
+    } else {
+        json!({ "type": "ack", "seq": message["seq"] })
+    };
+    let _ = socket.send(Message::text(answer.to_string()));
 }
 
 /// Memory of this process, in kilobytes.
@@ -301,9 +322,10 @@ fn an_hour_at_50_hz_takes_no_memory() {
 fn ten_clients_at_50_hz() {
     type Start = fn(&LoadedSystem, usize) -> Clients;
     let mut system = LoadedSystem::open();
-    let kinds: [(&str, Option<Start>); 3] = [
+    let kinds: [(&str, Option<Start>); 4] = [
         ("no client", None),
         ("10 tabs", Some(Clients::tabs)),
+        ("10 tabs with every sample", Some(Clients::greedy_tabs)),
         ("10 viewers", Some(Clients::viewers)),
     ];
     for (name, start) in kinds {
@@ -319,14 +341,18 @@ fn ten_clients_at_50_hz() {
         };
         run(2);
         let received = || -> u64 { clients.iter().flat_map(Clients::received).sum() };
+        let charted = || clients.iter().map(|it| it.charted.load(Ordering::Relaxed));
+        let charted = || -> u64 { charted().sum() };
         let (began, before, first) = (Instant::now(), server_cost(), received());
+        let first_charted = charted();
         run(10);
         let (cost, seconds) = (server_cost(), began.elapsed().as_secs_f64());
         let share = 100.0 * (cost.cpu - before.cpu).as_secs_f64() / seconds;
         let waits = (cost.waits - before.waits) as f64 / seconds;
         let each = (received() - first) as f64 / seconds / 10.0;
+        let samples = (charted() - first_charted) as f64 / seconds / 10.0;
         println!(
-            "{name}: {share:.2} % of a core, {waits:.0} waits a second; {each:.0} messages a second for each"
+            "{name}: {share:.2} % of a core, {waits:.0} waits a second; {each:.0} messages and {samples:.1} samples of the arm a second for each"
         );
         clients.map(Clients::end);
     }

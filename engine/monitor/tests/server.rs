@@ -195,6 +195,162 @@ impl Client {
     fn subscribe(&mut self, streams: &[&str]) {
         self.send(&json!({ "type": "subscribe", "streams": streams, "max_hz": 60.0 }));
     }
+
+    /// Subscribes to every sample of the driver.
+    fn subscribe_to_every(&mut self, max_hz: f64) {
+        self.send(&json!({ "type": "subscribe", "streams": [], "every": ["Driver.odom"], "max_hz": max_hz }));
+    }
+
+    /// The samples of the driver up to this one, and the number of batches in which they have arrived.
+    fn samples_until(&mut self, last: i64) -> (Vec<i64>, usize) {
+        let (mut samples, mut batches) = (Vec::new(), 0);
+        while samples.last() != Some(&last) {
+            let frame = self.frame_with("batches");
+            let batch = &frame["batches"]["Driver.odom"];
+            assert_eq!(batch["missed"], 0, "{batch}");
+            let pairs = batch["samples"].as_array().unwrap().iter();
+            samples.extend(pairs.map(|pair| pair[1].as_i64().unwrap()));
+            assert_eq!(batch["n"].as_i64(), samples.last().copied(), "{batch}");
+            batches += 1;
+        }
+        (samples, batches)
+    }
+
+    /// Asks for the part of the log with these words.
+    fn filter(&mut self, number: u64, words: &[&str]) {
+        let filter = json!({ "number": number, "level": "notice", "words": words });
+        self.send(
+            &json!({ "type": "subscribe", "streams": ["log"], "log": filter, "max_hz": 60.0 }),
+        );
+    }
+
+    /// The texts of the next entries of the log under this name.
+    fn entries(&mut self, name: &str) -> Vec<String> {
+        let frame = self.frame_with(name);
+        let entries = match name {
+            "found" => &frame["found"]["entries"],
+            name => &frame[name],
+        };
+        let entries = entries.as_array().unwrap().iter();
+        entries
+            .map(|it| it["text"].as_str().unwrap().to_owned())
+            .collect()
+    }
+}
+
+#[test]
+fn every_sample_of_a_chart_arrives_once_and_in_order() {
+    let mut fixture = Fixture::open(|_| {});
+    let mut client = fixture.client();
+    fixture.publish(1);
+    client.subscribe_to_every(60.0);
+    assert_eq!(client.samples_until(1).0, [1]);
+    let (mut seen, mut batches, mut last) = (Vec::new(), 0, 1);
+    for burst in [1, 7, 30, 200, 2, 500] {
+        (last + 1..=last + burst).for_each(|value| fixture.publish(value));
+        last += burst;
+        let (samples, count) = client.samples_until(last);
+        seen.extend(samples);
+        batches += count;
+    }
+    assert_eq!(seen, (2..=last).collect::<Vec<_>>());
+    assert!(batches < 100, "{batches}");
+    // one that comes later begins with what is still there, and misses nothing from then on
+    let mut late = fixture.client();
+    late.subscribe_to_every(60.0);
+    let (first, _) = late.samples_until(last);
+    assert!(first.len() > 100, "{}", first.len());
+    (last + 1..=last + 50).for_each(|value| fixture.publish(value));
+    for client in [&mut client, &mut late] {
+        let (samples, _) = client.samples_until(last + 50);
+        assert_eq!(samples, (last + 1..=last + 50).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn a_tab_in_the_background_gets_fewer_frames_and_the_same_samples() {
+    let mut fixture = Fixture::open(|_| {});
+    let (mut shown, mut hidden) = (fixture.client(), fixture.client());
+    fixture.publish(1);
+    for (client, max_hz) in [(&mut shown, 60.0), (&mut hidden, 1.0)] {
+        client.subscribe_to_every(max_hz);
+        client.samples_until(1);
+    }
+    let begun = Instant::now();
+    let (mut frames, mut seen) = (0, Vec::new());
+    for value in 2..=60 {
+        fixture.publish(value);
+        let (samples, batches) = shown.samples_until(value);
+        seen.extend(samples);
+        frames += batches;
+    }
+    let (samples, few) = hidden.samples_until(60);
+    let seconds = begun.elapsed().as_secs_f64();
+    let expected: Vec<i64> = (2..=60).collect();
+    assert_eq!((&seen, &samples), (&expected, &expected));
+    // 30 and 1 in a second, one more at each end; whatever was asked for, there are no more
+    assert_eq!(frames, 59);
+    let frames = u32::try_from(frames).unwrap();
+    assert!(f64::from(frames) <= 30.0 * seconds + 2.0, "{seconds} s");
+    let few = u32::try_from(few).unwrap();
+    assert!(f64::from(few) <= seconds + 2.0, "{few} in {seconds} s");
+}
+
+#[test]
+fn a_frozen_tab_learns_how_many_samples_of_a_chart_are_gone() {
+    let mut fixture = Fixture::open(|_| {});
+    let mut client = fixture.client();
+    fixture.publish(1);
+    client.subscribe_to_every(60.0);
+    client.samples_until(1);
+    (2..=1000).for_each(|value| fixture.publish(value));
+    let frame = client.frame_with("batches");
+    let first = &frame["batches"]["Driver.odom"];
+    let mut known: Vec<Value> = first["samples"].as_array().unwrap().clone();
+    let mut missed = first["missed"].as_u64().unwrap();
+    while known.last().unwrap()[1] != 1000 {
+        let frame = client.frame_with("batches");
+        let batch = &frame["batches"]["Driver.odom"];
+        known.extend(batch["samples"].as_array().unwrap().iter().cloned());
+        missed += batch["missed"].as_u64().unwrap();
+    }
+    // each of the 999 has arrived, or is counted; a client that reads all the time may miss none
+    assert_eq!(known.len() as u64 + missed, 999);
+}
+
+#[test]
+fn a_tab_is_sent_only_the_part_of_the_log_that_it_asks_for() {
+    let mut fixture = Fixture::open(|_| {});
+    for number in 1..=400 {
+        let colour = ["Red", "blue"][number % 2];
+        fixture.report(&format!("{colour} {number}"));
+    }
+    let mut client = fixture.client();
+    // of all that is kept, not only of what a tab receives at first
+    client.filter(1, &["RED", "!00"]);
+    let found = client.entries("found");
+    let is_red = |it: &String| it.starts_with("Red") && !it.contains("00");
+    assert_eq!(found.len(), 196);
+    assert!(found.iter().all(is_red), "{found:?}");
+    fixture.report("blue 401");
+    fixture.report("Red 402");
+    assert_eq!(client.entries("found"), ["Red 402"]);
+    // nothing is an answer as well, and names its question
+    client.filter(2, &["green"]);
+    let frame = client.frame_with("found");
+    assert_eq!(frame["found"], json!({ "filter": 2, "entries": [] }));
+    // all of the log continues where it begins for a new tab, and then has everything
+    client.subscribe(&["log"]);
+    let all = client.entries("log");
+    assert_eq!(
+        (all.len(), &*all[0], &**all.last().unwrap()),
+        (302, "blue 101", "Red 402")
+    );
+    client.filter(3, &["blue"]);
+    assert_eq!(client.entries("found").len(), 201);
+    fixture.report("Red 403");
+    client.subscribe(&["log"]);
+    assert_eq!(client.entries("log"), ["Red 403"]);
 }
 
 #[test]
@@ -411,8 +567,8 @@ fn a_tab_that_is_frozen_does_not_see_the_past_as_the_present() {
     while let Ok(Message::Text(text)) = client.0.read() {
         frames.push(serde_json::from_str::<Value>(&text).unwrap());
     }
-    // those of two intervals of 50 ms; the last one asks for an acknowledgement
-    assert!(frames.len() <= 5, "{} frames were waiting", frames.len());
+    // those of two intervals of 100 ms; the last one asks for an acknowledgement
+    assert!(frames.len() <= 8, "{} frames were waiting", frames.len());
     assert_eq!(frames.last().unwrap()["ack"], true);
     client.0.get_ref().set_read_timeout(Some(PATIENCE)).unwrap();
     let last = frames.last().unwrap();
@@ -620,6 +776,62 @@ fn the_page_is_small_and_builds_nothing_from_text() {
     }
     assert!(compressed < 150_000, "{compressed} bytes");
     println!("{compressed} bytes compressed");
+}
+
+/// Contrast of two colours by WCAG, from 1 to 21.
+fn contrast(one: &str, other: &str) -> f64 {
+    let luminance = |colour: &str| {
+        let part = |at: usize| {
+            let share = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
+            if share <= 0.040_45 {
+                share / 12.92
+            } else {
+                ((share + 0.055) / 1.055).powf(2.4)
+            }
+        };
+        0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)
+    };
+    let (one, other) = (luminance(one), luminance(other));
+    (one.max(other) + 0.05) / (one.min(other) + 0.05)
+}
+
+#[test]
+fn texts_can_be_read_in_both_themes() {
+    let style = include_str!("../src/page/style.css");
+    let themes: Vec<&str> = style
+        .split(":root")
+        .filter(|it| it.contains("--ground:"))
+        .collect();
+    // light, dark by preference, and dark by choice
+    assert_eq!(themes.len(), 3);
+    for theme in themes {
+        let block = theme.split('}').next().unwrap();
+        let colour = |name: &str| {
+            let after = block.split(&format!("--{name}: ")).nth(1);
+            let after = after.unwrap_or_else(|| panic!("no --{name} in {block}"));
+            after[..7].to_owned()
+        };
+        for (text, ground) in [
+            ("ink", "panel"),
+            ("ink", "ground"),
+            ("ink", "changed"),
+            ("ink", "accent-soft"),
+            ("faint", "panel"),
+            ("faint", "sunken"),
+            ("faint", "ground"),
+            ("accent", "panel"),
+            ("accent", "accent-soft"),
+            ("good", "good-soft"),
+            ("bad", "panel"),
+            ("bad", "bad-soft"),
+            ("note", "note-soft"),
+            ("note", "panel"),
+            ("on-accent", "accent"),
+        ] {
+            let found = contrast(&colour(text), &colour(ground));
+            assert!(found >= 4.5, "{text} on {ground}: {found:.2}");
+        }
+    }
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod flatten;
 mod graph;
 mod input_queue;
 mod joint;
+mod numbered_name;
 mod opened;
 mod part;
 mod plan;
@@ -23,6 +24,7 @@ pub use expand::{beside, expand};
 pub use graph::Dependency;
 pub use input_queue::InputQueue;
 pub use joint::{Connection, Promoted, Topic};
+pub use numbered_name::{MANY_NUMBERED, NumberedName};
 pub use opened::{Opened, open, summary};
 pub use part::Part;
 pub use plan::{

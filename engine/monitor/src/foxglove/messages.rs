@@ -9,6 +9,7 @@ use asmotion_viewer_encoding::ChannelSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::feed::time;
 use crate::specification_state::SpecificationState;
 
 /// A schema that all viewers share.
@@ -102,12 +103,6 @@ fn timestamp_schema() -> Value {
 fn timestamp(at: Time) -> Value {
     let nanos = at.nanos().max(0);
     json!({ "sec": nanos / 1_000_000_000, "nsec": nanos % 1_000_000_000 })
-}
-
-/// The time of an entry of the feed, which is in seconds.
-fn time(seconds: f64) -> Time {
-    // a float has the nanoseconds of a hundred days
-    Time::from_nanos((seconds * 1e9).round() as i64)
 }
 
 /// An entry of the feed's log.

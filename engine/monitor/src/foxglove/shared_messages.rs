@@ -238,8 +238,8 @@ impl ChannelReader {
             );
             (log, calls)
         };
-        let log = log.iter().filter_map(|it| messages::log(it, false));
-        let calls = calls.iter().filter_map(|it| messages::log(it, true));
+        let log = log.iter().filter_map(|it| messages::log(&it.json, false));
+        let calls = calls.iter().filter_map(|it| messages::log(&it.json, true));
         log.chain(calls).collect()
     }
 
@@ -251,7 +251,7 @@ impl ChannelReader {
         skipped: &mut u64,
     ) -> Vec<Arc<NewestSample>> {
         let last = self.sent.get(&slot.name).copied();
-        let mut new = slot.all_newer_than(last.unwrap_or_default());
+        let mut new = slot.recent_newer_than(last.unwrap_or_default());
         if was_held || last.is_none() {
             new.drain(..new.len().saturating_sub(1));
         }
@@ -267,7 +267,7 @@ impl ChannelReader {
 }
 
 /// The entries of a ring since a cursor, for use after its lock was released: the system writes under the same lock.
-fn unread(ring: &Ring<Arc<str>>, cursor: &mut u64, skipped: &mut u64) -> Vec<Arc<str>> {
+fn unread<T: Clone>(ring: &Ring<T>, cursor: &mut u64, skipped: &mut u64) -> Vec<T> {
     let reading = ring.since(*cursor);
     *cursor = reading.next;
     *skipped += reading.missed;

@@ -14,12 +14,11 @@ use super::channels::ChannelSource;
 use super::shared_messages::{ChannelReader, SharedMessages, Subscribed, nanoseconds};
 use crate::client::Client;
 use crate::feed::Feed;
-use crate::output_slot::SlotFollower;
+use crate::output_slot::{KeptSamples, SlotFollower};
 use crate::subscriptions::RECENT;
+use crate::ticker::TICK;
 use crate::under_way::UnderWay;
 
-/// Interval between batches of messages.
-const INTERVAL: Duration = Duration::from_micros(16_667);
 /// Time without a pong after which the viewer is taken to be gone.
 const GONE: Duration = Duration::from_secs(60);
 /// Interval at which the time is sent although nothing else is new.
@@ -109,7 +108,7 @@ impl Client for Viewer {
     }
 
     fn interval(&self) -> Duration {
-        INTERVAL
+        TICK
     }
 
     fn news(&mut self, shared: &mut SharedMessages, _is_last: bool) -> Option<Vec<Message>> {
@@ -211,7 +210,9 @@ impl Viewer {
             ChannelSource::Steps(_) | ChannelSource::State(..) | ChannelSource::Log => &[],
         });
         // the new ones before the old ones end
-        self.followed = slots.map(SlotFollower::new).collect();
+        self.followed = slots
+            .map(|slot| SlotFollower::new(slot, KeptSamples::Recent))
+            .collect();
     }
 
     /// The next messages; empty if nothing is new, or if the viewer has to answer a ping first.

@@ -9,6 +9,8 @@ import { Folding } from "./folding.js";
 const GAP = 1.5;
 /** Width of the labels of an axis, and the margin at the right, px. */
 export const [LABELS, MARGIN] = [58, 18];
+/** Share of the range between two limits from which the nearer one is shown. */
+const NEAR = 0.2;
 /** Charts under one pointer have one crosshair. */
 const CROSSHAIR = uPlot.sync("asmotion");
 
@@ -30,16 +32,17 @@ export class Chart {
     this.isPressed = false;
     /** @type {Series[]} */ this.series = [];
     /** @type {[number, boolean][]} */ this.marks = [];
+    /** @type {[number, number] | null} */ this.limits = null;
     this.folding = new Folding(0, 1);
   }
 
   /** @param {Series[]} series @param {number} begin @param {number} end
-   * @param {{ marks?: [number, boolean][], folding?: Folding }} [more] `marks` are times at which something was raised, or cleared
-   * again; `folding` is the axis of time */
-  draw(series, begin, end, { marks = [], folding = new Folding(begin, end) } = {}) {
+   * @param {{ marks?: [number, boolean][], folding?: Folding, limits?: [number, number] | null }} [more] `marks` are times at which
+   * something was raised, or cleared again; `folding` is the axis of time; `limits` are the least and the greatest value that are fine */
+  draw(series, begin, end, { marks = [], folding = new Folding(begin, end), limits = null } = {}) {
     const [width, height] = [this.place.clientWidth, this.place.clientHeight];
     if (!width || !height) return;
-    Object.assign(this, { series, marks, range: [begin, end], folding });
+    Object.assign(this, { series, marks, range: [begin, end], folding, limits });
     const kind = JSON.stringify([series.map((it) => [it.name, it.shade, it.stepped, it.dash]), this.options, document.documentElement.dataset.theme]);
     if (kind !== this.kind) { this.kind = kind; this.build(width, height); }
     if (width !== this.size[0] || height !== this.size[1]) { this.size = [width, height]; this.plot.setSize({ width, height }); }
@@ -66,7 +69,7 @@ export class Chart {
       ],
       series: [{}, ...this.series.map((it) => ({ label: it.name, stroke: colour(it.shade), width: 1.6, dash: it.dash, spanGaps: this.series.length > 1, paths: it.stepped ? uPlot.paths.stepped({ align: 1 }) : undefined, points: { show: it.stepped ? undefined : false } }))],
       cursor: { y: false, sync: { key: CROSSHAIR.key, setSeries: false }, drag: { x: true, y: false, setScale: false, dist: 6 }, points: { size: 6 } },
-      hooks: { draw: [(plot) => { this.drawMarks(plot); this.cursor(plot); }], setCursor: [() => this.head()], setSelect: [(plot) => this.selected(plot)] },
+      hooks: { drawClear: [(plot) => this.bands(plot)], draw: [(plot) => { this.drawMarks(plot); this.cursor(plot); }], setCursor: [() => this.head()], setSelect: [(plot) => this.selected(plot)] },
     };
     this.place.replaceChildren();
     this.plot = new uPlot(options, [[], ...this.series.map(() => [])], this.place);
@@ -100,7 +103,33 @@ export class Chart {
     if (names) return [-0.4, names.length - 0.6];
     if (!Number.isFinite(low) || !Number.isFinite(high)) [low, high] = [0, 1];
     const air = (high - low || Math.abs(high) * 0.1 || 1) * 0.08;
-    return [low - air, high + air];
+    let [least, most] = [low - air, high + air];
+    if (this.limits) {
+      // a limit is shown before the values come to it
+      const near = (this.limits[1] - this.limits[0]) * NEAR;
+      if (low < this.limits[0] + near) least = Math.min(least, this.limits[0] - air);
+      if (high > this.limits[1] - near) most = Math.max(most, this.limits[1] + air);
+    }
+    return [least, most];
+  }
+
+  /** What lies beyond the limits: shaded, up to a dashed line. */
+  bands(plot) {
+    if (!this.limits) return;
+    const { ctx, bbox } = plot;
+    const bottom = bbox.top + bbox.height, rows = this.limits.map((value) => plot.valToPos(value, "y", true));
+    const [low, high] = rows.map((row) => Math.min(bottom, Math.max(bbox.top, row)));
+    ctx.save();
+    ctx.fillStyle = colour("bad-soft");
+    ctx.strokeStyle = colour("bad");
+    ctx.setLineDash([6, 4]);
+    for (const [from, to, edge] of [[bbox.top, high, rows[1]], [low, bottom, rows[0]]]) {
+      if (to - from < 1) continue;
+      ctx.fillRect(bbox.left, from, bbox.width, to - from);
+      if (edge < bbox.top || edge > bottom) continue;
+      ctx.beginPath(); ctx.moveTo(bbox.left, edge); ctx.lineTo(bbox.left + bbox.width, edge); ctx.stroke();
+    }
+    ctx.restore();
   }
 
   /** A range was selected: all views show it. Charts under one crosshair all learn of it, and the others may show another time. */

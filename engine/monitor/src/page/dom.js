@@ -56,9 +56,33 @@ export function list(parent, items, key, make, update) {
   }
 }
 
-/** A panel with a head and a body. @param {string} title @param {string} name @param {any[]} head @param {...any} body */
+/** A panel with a head and a body, which can stand still while the others go on. @param {string} title @param {string} name
+ * @param {any[]} head @param {...any} body */
 export function panel(title, name, head, ...body) {
-  return el("section", { class: `panel ${name}`, "aria-label": title }, el("div", { class: "head" }, el("h2", {}, title), head), body);
+  const button = el("button", { type: "button", class: "still", "aria-pressed": "false", "aria-label": `Pause ${title}`, title: "Pauses this panel; the system continues", onclick: () => still(root, button) }, "❚❚");
+  const root = el("section", { class: `panel ${name}`, "aria-label": title }, el("div", { class: "head" }, el("h2", {}, title), head, button), body);
+  return root;
+}
+
+/** Shows a picture of a panel's body in its place, or the body again. */
+function still(root, button) {
+  const isStill = root.classList.toggle("is-still");
+  button.setAttribute("aria-pressed", String(isStill));
+  text(button, isStill ? "▶" : "❚❚");
+  if (!isStill) {
+    for (const it of [...root.children]) if (it.classList.contains("picture")) it.remove();
+    return;
+  }
+  for (const part of [...root.children].slice(1)) {
+    const picture = part.cloneNode(true);
+    const [from, to] = [part, picture].map((it) => [...(it.tagName === "CANVAS" ? [it] : []), ...it.querySelectorAll("canvas")]);
+    to.forEach((canvas, index) => canvas.getContext("2d").drawImage(from[index], 0, 0));
+    for (const it of [picture, ...picture.querySelectorAll("[id]")]) it.removeAttribute("id");
+    for (const it of picture.querySelectorAll("button, input, select")) it.disabled = true;
+    picture.classList.add("picture");
+    root.insertBefore(picture, part);
+    picture.scrollTop = part.scrollTop;
+  }
 }
 
 /** Colours by name: asking the browser for one makes it compute the style of the page. @type {Map<string, string>} */

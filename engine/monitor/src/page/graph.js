@@ -57,7 +57,7 @@ export class Graph {
     if (shape !== this.shape) { this.shape = shape; this.place(names, links); }
     const key = (it) => it.key;
     this.taken = [...this.at.values()].map(([x, y]) => [x, y, WIDTH / 2, HEIGHT / 2 + 4]);
-    list(this.edges, links, key, () => svg("g", { class: "edge" }, svg("title"), svg("path", { "marker-end": "url(#arrow)" }), svg("text")), (edge, it) => this.edge(edge, it, chosen));
+    list(this.edges, links, key, () => svg("g", { class: "edge" }, svg("title"), svg("path", { "marker-end": "url(#arrow)" }), svg("text"), svg("text", { class: "bytes" })), (edge, it) => this.edge(edge, it, chosen));
     list(this.nodes, wanted, (it) => it.name, (it) => this.make(it.name), (node, it) => {
       const stale = store.outputs.some((output) => output.stale && output.name.startsWith(`${it.name}.`));
       const isUp = it.state === "Running" || it.state === "";
@@ -105,12 +105,12 @@ export class Graph {
     this.root.style.minHeight = `${Math.round(height * SMALLEST)}px`;
   }
 
-  /** A place for a label near this one, where it covers neither a node nor another label. */
-  free(x, y, words) {
+  /** A place for a label of this height near this one, where it covers neither a node nor another label. */
+  free(x, y, words, height) {
     const half = Math.min(words.length, LABEL) * 3.4 + 2;
     for (let shift = 0; shift < 10; shift++) {
       const row = y + (shift % 2 ? 1 : -1) * Math.ceil(shift / 2) * 12;
-      if (this.taken.every(([other, at, width, height]) => Math.abs(at - row) > height || Math.abs(other - x) > half + width)) { this.taken.push([x, row, half, 10]); return [x, row]; }
+      if (this.taken.every(([other, at, width, room]) => Math.abs(at - row) > room || Math.abs(other - x) > half + width)) { this.taken.push([x, row, half, height]); return [x, row]; }
     }
     return [x, y];
   }
@@ -131,19 +131,36 @@ export class Graph {
       if (output.stale) return `${port} ⚠ ${((store.age(output.name) ?? 0) / 1000).toFixed(0)} s`;
       return output.hz ? `${port} ${rate(output.hz)}` : port;
     });
+    const amount = outputs.reduce((sum, output) => sum + (output.stale ? 0 : traffic(output)), 0);
+    const bytes = amount ? perSecond(amount) : "";
     if (it.calls) words.push("calls");
-    text(edge.children[0], `${it.from} → ${it.to}\n${outputs.map((output, index) => `${words[index]}${age(output)}`).join("\n")}${it.calls ? "\ncalls" : ""}`);
+    text(edge.children[0], `${it.from} → ${it.to}\n${outputs.map((output, index) => `${words[index]}${traffic(output) ? `, ${perSecond(traffic(output))}` : ""}${age(output)}`).join("\n")}${it.calls ? "\ncalls" : ""}`);
     edge.children[1].setAttribute("d", path);
-    const label = edge.children[2];
+    const [label, size] = [edge.children[2], edge.children[3]];
     const onPath = it.from === chosen || it.to === chosen;
     const worst = words.find((it) => it.includes("⚠")) ?? words[0] ?? "";
     const all = words.length > 1 ? `${worst} +${words.length - 1}` : worst;
-    const [column, row] = this.free(tx === x ? x + WIDTH / 2 + 30 : (sx + ex) / 2, (y + ty) / 2 - 3 + (back ? 28 : 0), all);
+    const [column, row] = this.free(tx === x ? x + WIDTH / 2 + 30 : (sx + ex) / 2, (y + ty) / 2 - 3 + (back ? 28 : 0), all, bytes ? 20 : 10);
     label.setAttribute("x", String(column));
     label.setAttribute("y", String(row));
+    size.setAttribute("x", String(column));
+    size.setAttribute("y", String(row + 11));
+    text(size, bytes);
     text(label, all.length > LABEL ? `${all.slice(0, LABEL - 1)}…` : all);
     className(edge, `edge ${broken ? "broken" : ""} ${onPath ? "chosen" : ""}`);
   }
+}
+
+/** Bytes per second of an output, as over a bus; 0 if that is not known. */
+export function traffic(output) { return (output.hz ?? 0) * (output.bytes ?? 0); }
+
+/** @param {number} bytes per second */
+export function perSecond(bytes) {
+  for (const unit of ["B/s", "kB/s"]) {
+    if (bytes < 999.5) return `${bytes < 9.95 ? bytes.toFixed(1) : bytes.toFixed(0)} ${unit}`;
+    bytes /= 1000;
+  }
+  return `${bytes.toFixed(1)} MB/s`;
 }
 
 function shortened(words, most) { return words.length > most ? `${words.slice(0, most - 1)}…` : words; }

@@ -40,6 +40,16 @@ export class Joints {
     return found?.inputs.some((port) => port.name === "period" && port.type === "std_msgs/Float64") ? component : null;
   }
 
+  /** The least and the greatest value of a signal of a joint that are fine, from the driver's property `SIGNAL_limits`: a pair for each
+   * joint, or one for all of them. @param {string} signal @param {number} joint @returns {[number, number] | null} */
+  limits(signal, joint) {
+    const component = this.output?.slice(0, this.output.lastIndexOf("."));
+    const properties = this.app.store.components.find((it) => it.name === component)?.properties ?? [];
+    const pairs = properties.find(([name]) => name === `${signal}_limits`)?.[1];
+    const pair = Array.isArray(pairs) ? (pairs.length === 1 ? pairs[0] : pairs[joint]) : null;
+    return Array.isArray(pair) && pair.length === 2 && pair.every(Number.isFinite) ? /** @type {[number, number]} */ (pair) : null;
+  }
+
   async setPeriod() {
     const milliseconds = Number(this.period.value);
     if (!Number.isFinite(milliseconds) || milliseconds < 1 || milliseconds > 10000) return this.app.control.say(`period ${this.period.value} ms: expected 1 to 10000`, true);
@@ -93,7 +103,7 @@ export class Joints {
     const samples = store.series.get(this.output) ?? [];
     for (const { joint, signal, chart } of this.drawn) {
       const points = samples.map((it) => [it.t, it[signal][joint]]);
-      chart.draw([{ name: signal, points, shade: `serie-${joint % 6}` }], begin, end, { marks: raised(samples, joint) });
+      chart.draw([{ name: signal, points, shade: `serie-${joint % 6}` }], begin, end, { marks: raised(samples, joint), limits: this.limits(signal, joint) });
     }
   }
 
@@ -104,7 +114,12 @@ export class Joints {
     const stale = store.isStale(this.output);
     list(this.body, rows, (it) => String(it.joint), () => el("tr", {}, Array.from({ length: 6 }, (_, index) => el("td", { class: index && index < 5 ? "number" : "" }))), (row, { joint, data }) => {
       text(row.children[0], `joint ${joint + 1}`);
-      SIGNALS.forEach(([name], index) => text(row.children[index + 1], fixed(data[name][joint], 3)));
+      SIGNALS.forEach(([name], index) => {
+        const [value, limits] = [data[name][joint], this.limits(name, joint)];
+        const beyond = limits && (value < limits[0] || value > limits[1]);
+        text(row.children[index + 1], `${beyond ? "⚠ " : ""}${fixed(value, 3)}`);
+        row.children[index + 1].title = limits ? `fine from ${fixed(limits[0], 3)} to ${fixed(limits[1], 3)}` : "";
+      });
       const flags = data.error_flags[joint];
       const bits = [...Array(16).keys()].filter((bit) => flags & (1 << bit));
       text(row.children[5], bits.length ? `⚠ error bit ${bits.join(", ")}` : "✓ none");

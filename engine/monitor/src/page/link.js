@@ -14,7 +14,7 @@ export class Link {
     /** Orders without a reply. @type {Map<number, (problem: string | null) => void>} */
     this.pending = new Map();
     this.unacknowledged = 0;
-    document.addEventListener("visibilitychange", () => this.subscribe(this.wanted ?? []));
+    document.addEventListener("visibilitychange", () => this.subscribe(this.wanted ?? { streams: [] }));
     this.connect();
   }
 
@@ -38,7 +38,7 @@ export class Link {
         this.pause = SHORTEST_PAUSE;
         this.streams = "";
         this.store.connected(message);
-        this.subscribe(this.wanted ?? []);
+        this.subscribe(this.wanted ?? { streams: [] });
         break;
       case "frame":
         this.store.frame(message);
@@ -49,6 +49,9 @@ export class Link {
       case "moment":
         this.store.moment(message);
         this.onmoment?.();
+        break;
+      case "guards":
+        this.store.explain(message);
         break;
       case "armed":
         this.onarmed?.(null);
@@ -68,11 +71,13 @@ export class Link {
     this.unacknowledged = 0;
   }
 
-  /** Replaces the subscriptions. @param {string[]} streams @returns {boolean} whether they are others than before */
-  subscribe(streams) {
-    this.wanted = streams;
+  /** Replaces the subscriptions: streams and outputs, outputs of which every sample is wanted, and the part of the log; null for all of it.
+   * @param {{ streams: string[], every?: string[], log?: any }} wanted @returns {boolean} whether they are others than before */
+  subscribe(wanted) {
+    this.wanted = wanted;
+    const { streams, every = [], log = null } = wanted;
     const max_hz = document.hidden ? 1 : this.store.rate;
-    const request = JSON.stringify({ type: "subscribe", streams, max_hz });
+    const request = JSON.stringify({ type: "subscribe", streams, every, log, max_hz });
     if (request === this.streams || this.socket?.readyState !== WebSocket.OPEN) return false;
     this.streams = request;
     this.socket.send(request);

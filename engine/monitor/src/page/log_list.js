@@ -28,24 +28,27 @@ export class LogList {
   entries() {
     const { store } = this.app;
     for (const it of store.steps) { it.kind = "step"; it.level = "info"; it.key ??= `s${it.component}${it.step.number}`; }
-    for (const it of store.log) it.key ??= `l${nextKey++}`;
+    const log = store.found?.entries ?? store.log;
+    for (const it of log) it.key ??= `l${nextKey++}`;
     // a recording has all steps, also those that a running system does not report
     const steps = store.steps.filter((it) => it.step.updates.length || !store.recording);
-    return [...steps, ...store.log].sort((one, other) => one.t - other.t);
+    return [...steps, ...log].sort((one, other) => one.t - other.t);
   }
 
   draw() {
     const { store } = this.app;
+    const words = this.filter.value.trim().split(/\s+/).filter(Boolean);
+    // the server sends only what passes, and what it has kept of it
+    store.filter(words, this.level.value);
     const changes = [store.changes.log, store.changes.steps, store.cursor, this.filter.value, this.level.value, this.fold.checked].join();
     if (changes === this.changes) return;
     this.changes = changes;
-    const words = this.filter.value.trim().split(/\s+/).filter(Boolean);
     const least = LEVELS.indexOf(this.level.value);
     const shown = this.entries().filter((it) => LEVELS.indexOf(it.level) >= least && matches(`${it.kind} ${it.component} ${entryText(it)}`, words));
     const cut = store.cursor === null ? shown : shown.filter((it) => it.t <= store.cursor + 1e-9 || shown.length < this.limit);
     const newest = (this.fold.checked ? folded(store, cut) : cut).slice(-this.limit).reverse();
     const missed = store.missed.log + store.missed.steps;
-    text(this.count, `${shown.length} entries${store.recording ? " near this time" : ""}${missed ? `, ${missed} missed while this tab was too slow` : ""}`);
+    text(this.count, store.found && !store.found.isKnown ? "asking …" : `${shown.length} entries${store.recording ? " near this time" : ""}${missed ? `, ${missed} missed while this tab was too slow` : ""}`);
     const near = store.cursor === null ? null : newest.find((it) => it.t <= store.cursor + 1e-9)?.key;
     list(this.root, newest, (it) => it.key, (it) => this.make(it), (row, it) => {
       const times = this.fold.checked && it.times > 1 ? `×${it.times} since ${it.since.toFixed(2)} s` : "";

@@ -43,7 +43,7 @@ const views = [
   { name: "logs", title: "Logs", make: () => new Logs(app) },
 ].map((it) => ({ ...it, /** @type {any} */ view: null, /** @type {any} */ tab: null }));
 let current = views[0];
-let lastTexts = 0, forced = true, pausedAt = 0;
+let lastTexts = 0, lastHappened = 0, forced = true, pausedAt = 0;
 
 /** The token from the address, which then disappears from it. The part behind `#` is sent to no server, and the storage of the
  * tab belongs to this server alone. */
@@ -184,10 +184,20 @@ const announce = (() => {
   };
 })();
 
+/** What the tab asks for. Charts show every sample, also of the time before they were opened; of all else the newest one is enough. */
+function wanted() {
+  // the rest of the log is asked for by the view that shows it
+  if (!current.view?.log) store.filter([], "info");
+  const every = store.ofType("youbot/JointStatus").slice(0, 20);
+  const streams = new Set([...BASE, ...store.ofType("nav_msgs/Odometry"), ...(current.view?.streams() ?? [])]);
+  for (const name of every) streams.delete(name);
+  return { streams: [...streams].slice(0, 40), every, log: store.logFilter };
+}
+
 let shownSystem = null;
 function draw(now) {
   frame = 0;
-  timer = setTimeout(wake, FRAME);
+  timer = setTimeout(wake, Math.max(FRAME, 1000 / store.rate));
   if (store.system !== shownSystem) {
     shownSystem = store.system;
     for (const it of views) it.view = null;
@@ -197,11 +207,13 @@ function draw(now) {
   const texts = forced || now - lastTexts > TEXTS;
   if (texts) { header(now); announce(now); }
   if (texts && store.recording) address();
-  if (store.system && (!app.paused || forced)) {
+  const happened = store.changes.steps + store.changes.log;
+  const isWanted = !app.paused && !(store.onChange && happened === lastHappened && !store.recording);
+  if (store.system && (isWanted || forced)) {
+    lastHappened = happened;
     current.view?.draw(now, texts);
     playback?.draw(now, texts);
-    const changed = link.subscribe([...new Set([...BASE, ...store.ofType("nav_msgs/Odometry"), ...store.ofType("youbot/JointStatus"), ...(current.view?.streams() ?? [])])].slice(0, 60));
-    if (changed) playback?.ask();
+    if (link.subscribe(wanted())) playback?.ask();
   }
   if (texts) { lastTexts = now; forced = false; }
   link.acknowledge();

@@ -52,7 +52,7 @@ export class Playback {
     const [from, to] = store.valid, span = this.app.span ?? 30;
     const window = !(t >= from && t <= to) || span > this.asked;
     const has = Object.fromEntries([...store.samples].map(([name, sample]) => [name, sample.n]));
-    this.waits = link.send({ type: "seek", t, span, window, has });
+    this.waits = link.send({ type: "seek", t, span, window, has, log: store.logFilter });
     if (this.waits && window) this.asked = span;
     this.again = false;
   }

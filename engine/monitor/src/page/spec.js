@@ -5,6 +5,7 @@ import { el, panel, text, className, list } from "./dom.js";
 import { Diagram } from "./diagram.js";
 import { Properties } from "./properties.js";
 import { LocationHistory } from "./location_history.js";
+import { Guards } from "./guards.js";
 
 const WORDS = /\b(asm|module|import|signature|definitions|default|init|domain|enum|abstract|subsetof|controlled|monitored|shared|out|static|derived|function|rule|macro|main|par|endpar|seq|endseq|if|then|else|endif|switch|case|otherwise|endswitch|let|in|endlet|forall|with|do|choose|ifnone|extend|skip|and|or|not|implies|iff|invariant|over|CTLSPEC|LTLSPEC|undef|true|false|agent|local|while|iterate)\b/;
 
@@ -23,6 +24,7 @@ export class Spec {
     this.inputs = el("tbody");
     this.choices = el("p", { class: "faint" });
     this.properties = new Properties(app, (place) => this.reveal(place));
+    this.guards = new Guards(app, (place) => this.reveal(place));
     this.history = new LocationHistory(app, (place) => this.reveal(place));
     const button = (words, title, action) => el("button", { type: "button", title, onclick: action }, words);
     const steps = [this.step, el("span", { class: "grow" }), button("◀ state", "Previous change of the control state ({)", () => app.change(-1, this.component)), button("◀ step", "Previous step ([)", () => this.move(-1)), button("step ▶", "Next step (])", () => this.move(1)),
@@ -30,7 +32,7 @@ export class Spec {
     const head = (...names) => el("thead", {}, el("tr", {}, names.map((name) => el("th", {}, name))));
     const sets = el("div", { class: "body" },
       el("table", { id: "updates" }, head("location", "before", "after", "by"), this.updates),
-      el("table", { id: "inputs" }, head("input that was read", "value"), this.inputs), el("div", { class: "empty" }, this.choices), this.history.root, this.properties.root);
+      el("table", { id: "inputs" }, head("input that was read", "value"), this.inputs), el("div", { class: "empty" }, this.choices), this.guards.root, this.history.root, this.properties.root);
     this.root = el("div", { class: "grid spec" }, panel("Source", "source-panel", [this.sourceTitle, el("span", { class: "grow" }), this.coverage, this.choice], this.source),
       panel("Control state", "diagram-panel", [], this.place), panel("Update set", "update-panel", steps, sets));
     this.build();
@@ -106,7 +108,7 @@ export class Spec {
     const entry = store.stepAt(this.component);
     const step = entry?.step;
     const locations = store.locationsAt(this.component);
-    text(this.step, step ? `step ${step.number} at ${entry.t.toFixed(2)} s${store.isBack ? ", back in time" : ""}` : "no step has written anything yet");
+    text(this.step, step ? `step ${step.number} at ${entry.t.toFixed(2)} s` : "no step has written anything yet");
     const make = (count) => () => el("tr", {}, Array.from({ length: count }, (_, index) => el("td", { class: index ? "value" : "" })));
     list(this.updates, step?.updates ?? [], (it) => it.location, make(4), (row, it) => {
       const [location, before, after, by] = row.children;
@@ -119,6 +121,7 @@ export class Spec {
     this.values(locations, new Set((step?.updates ?? []).filter((it) => it.before !== it.after).map((it) => it.location)));
     this.heat(new Set((step?.updates ?? []).map((it) => it.place)));
     this.drawDiagram(locations, entry);
+    this.guards.draw(this.component, entry, now);
     this.history.draw(locations);
     this.properties.draw(this.specification);
   }

@@ -9,7 +9,8 @@ const NUMBERS = { NaN: NaN, Infinity: Infinity, "-Infinity": -Infinity };
 export class Store {
   constructor() {
     /** @type {any} */ this.system = null;
-    this.rate = 30;
+    /** Frames per second that this tab asks for: as many as it draws. */ this.rate = 20;
+    /** Whether views change only with a step or an entry of the log. */ this.onChange = false;
     /** The time of a recording that the address asks for; NaN without one. */ this.wanted = NaN;
     this.recording = null;
     this.control = false;
@@ -35,7 +36,9 @@ export class Store {
     /** @type {any[]} */ this.merged = []; this.mergedAt = -1;
     /** Log entries by time; calls can be many, and do not displace the others. @type {any[]} */ this.log = [];
     /** @type {any[]} */ this.notes = []; /** @type {any[]} */ this.calls = [];
-    this.missed = { steps: 0, log: 0 };
+    this.missed = { steps: 0, log: 0, samples: 0 };
+    /** The part of the log that was asked for: the filter, and its entries by time; null if all of the log was. @type {any} */ this.found = null;
+    /** The guards of the step that was asked for last. @type {any} */ this.guards = null;
     /** @type {Map<string, any>} */ this.samples = new Map();
     /** Driven paths by output: [t, x, y, yaw]. @type {Map<string, number[][]>} */ this.trails = new Map();
     /** Samples of joints by output: { t, position, … }. @type {Map<string, any[]>} */ this.series = new Map();
@@ -107,6 +110,9 @@ export class Store {
     if (frame.history) this.recall(frame.history);
     if (frame.steps) this.step(frame);
     if (frame.log || frame.calls) this.note(frame);
+    if (frame.found) this.find(frame.found);
+    this.missed.log += (frame.missed_log ?? 0) + (frame.missed_calls ?? 0);
+    for (const [name, batch] of Object.entries(frame.batches ?? {})) this.batch(name, batch);
     for (const [name, sample] of Object.entries(frame.samples ?? {})) this.sample(name, sample);
   }
 
@@ -137,8 +143,10 @@ export class Store {
       this.history.get(entry.component).push(entry);
     }
     this.knownSince = new Map([...this.history].map(([component, steps]) => [component, steps[0].index === 0 ? 0 : steps[0].t]));
-    this.log = [...window.log, ...window.calls].sort((one, other) => one.t - other.t);
-    for (const it of this.log) it.key = `l${it.t} ${it.kind} ${it.component} ${it.text}`;
+    const log = [...window.log, ...window.calls].sort((one, other) => one.t - other.t);
+    if (window.filter === null) this.log = log;
+    else if (window.filter === this.found?.number) Object.assign(this.found, { entries: log, isKnown: true });
+    for (const it of log) it.key = `l${it.t} ${it.kind} ${it.component} ${it.text}`;
     this.series = new Map(Object.entries(window.series).map(([name, samples]) => [name, samples.map(revived)]));
     this.changes.steps++;
     this.changes.log++;
@@ -155,8 +163,38 @@ export class Store {
     this.notes = append(this.notes, frame.log ?? [], MAX_LOG);
     this.calls = append(this.calls, frame.calls ?? [], MAX_LOG / 2);
     this.log = [...this.notes, ...this.calls].sort((one, other) => one.t - other.t);
-    this.missed.log += (frame.missed_log ?? 0) + (frame.missed_calls ?? 0);
     this.changes.log++;
+  }
+
+  /** Takes entries of the part of the log that was asked for. Those of an earlier question are not wanted any more. */
+  find({ filter, entries }) {
+    if (filter !== this.found?.number) return;
+    this.found.entries = append(this.found.entries, entries, MAX_LOG).sort((one, other) => one.t - other.t);
+    this.found.isKnown = true;
+    this.changes.log++;
+  }
+
+  /** Takes the guards of a step, which were asked for. */
+  explain(guards) {
+    this.guards = guards;
+    this.changes.steps++;
+  }
+
+  /** Asks for a part of the log; without words and level, for all of it. The words are those of the filter.
+   * @param {string[]} words @param {string} level */
+  filter(words, level) {
+    const asked = words.length || level !== "info" ? JSON.stringify([words, level]) : "";
+    if (asked === (this.found?.asked ?? "")) return;
+    this.questions = (this.questions ?? 0) + 1;
+    this.found = asked ? { asked, number: this.questions, words, level, entries: [], isKnown: false } : null;
+    // the window of a recording has another part of the log now
+    this.valid = [Infinity, -Infinity];
+    this.changes.log++;
+  }
+
+  /** The part of the log to ask for; null for all of it. */
+  get logFilter() {
+    return this.found && { number: this.found.number, level: this.found.level, words: this.found.words };
   }
 
   describe(presence) {
@@ -222,6 +260,12 @@ export class Store {
       this.merged = [...this.history.values()].flat().sort((one, other) => one.t - other.t);
     }
     return this.merged;
+  }
+
+  /** Takes all samples of an output since the last frame. */
+  batch(name, { n, type, missed, samples }) {
+    this.missed.samples += missed;
+    samples.forEach(([t, data], index) => this.sample(name, { n: n - samples.length + 1 + index, t, type, data }));
   }
 
   sample(name, sample) {

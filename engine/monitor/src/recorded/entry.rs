@@ -1,17 +1,16 @@
 //! Log entries of a recorded run, from the records of its events and calls.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use asmotion_component::Time;
 use asmotion_coordinator::{VIOLATION_REPORT, ViolationRecord};
 use asmotion_datum::Datum;
 
-use crate::log_entry::{brief_datum, entry, level_of};
+use crate::log_entry::{LogEntry, LogLevel, brief_datum, entry, level_of};
 
 /// An entry that is not in a list yet.
 pub(super) struct NewEntry {
-    pub level: &'static str,
+    pub level: LogLevel,
     kind: String,
     component: String,
     pub text: String,
@@ -19,7 +18,7 @@ pub(super) struct NewEntry {
 
 impl NewEntry {
     pub fn new(
-        level: &'static str,
+        level: LogLevel,
         kind: impl Into<String>,
         component: impl Into<String>,
         text: impl Into<String>,
@@ -32,7 +31,7 @@ impl NewEntry {
         }
     }
 
-    pub fn json(&self, at: Time) -> Arc<str> {
+    pub fn entry(&self, at: Time) -> LogEntry {
         entry(at, self.level, &self.kind, &self.component, &self.text)
     }
 }
@@ -57,25 +56,25 @@ pub(super) fn of_event(record: &Datum) -> Option<NewEntry> {
     let own = || member("text").into_owned();
     let (level, name, words) = match &*kind {
         "life_cycle" => (
-            "info",
+            LogLevel::Info,
             "life cycle",
             format!("{} → {}", member("from"), member("to")),
         ),
-        "fault" => ("error", "fault", own()),
+        "fault" => (LogLevel::Error, "fault", own()),
         "overrun" => (
-            "warning",
+            LogLevel::Warning,
             "overrun",
             format!("missed {} periods", member("count")),
         ),
         "late" => {
             let (took, deadline) = (member("took_s"), member("deadline_s"));
             (
-                "warning",
+                LogLevel::Warning,
                 "late",
                 format!("a cycle took {took} s, its deadline is {deadline} s"),
             )
         }
-        "denied" => ("warning", "denied", own()),
+        "denied" => (LogLevel::Warning, "denied", own()),
         "dropped" => {
             let (port, to, count) = (member("port"), member("to"), member("count"));
             let reason = member("text");
@@ -85,18 +84,18 @@ pub(super) fn of_event(record: &Datum) -> Option<NewEntry> {
                 &*reason
             };
             (
-                "warning",
+                LogLevel::Warning,
                 "dropped",
                 format!("{port} to {to}: {count} dropped, {reason}"),
             )
         }
         "property" => (
-            "info",
+            LogLevel::Info,
             "property",
             format!("{} = {}", member("property"), member("value")),
         ),
         "lost" => (
-            "warning",
+            LogLevel::Warning,
             "lost",
             format!("{} events were not observed", member("count")),
         ),
@@ -138,17 +137,25 @@ pub(super) fn of_call(caller: &str, record: &Datum) -> Option<NewEntry> {
             } else {
                 String::new()
             };
-            ("info", "call", format!("{}{repeated}", brief("argument")))
+            (
+                LogLevel::Info,
+                "call",
+                format!("{}{repeated}", brief("argument")),
+            )
         }
         "reply" => {
             let result = brief("result");
             (
-                "info",
+                LogLevel::Info,
                 "reply",
                 format!("→ {}", if result.is_empty() { "done" } else { &result }),
             )
         }
-        _ => ("warning", "reply", format!("→ {}", text(record, "error"))),
+        _ => (
+            LogLevel::Warning,
+            "reply",
+            format!("→ {}", text(record, "error")),
+        ),
     };
     let words = format!("{reference}.{operation} {words}");
     Some(NewEntry::new(level, kind, component, words))
@@ -166,7 +173,7 @@ mod tests {
             component,
             text,
         } = entry;
-        format!("{level} {kind} {component}: {text}")
+        format!("{} {kind} {component}: {text}", level.name())
     }
 
     #[test]

@@ -17,7 +17,7 @@ use super::composition::{Composition, is_composition};
 use super::entry::{NewEntry, of_call, of_event};
 use super::{RecordedBegin, RecordedEntry, RecordedOutput, RecordedRun, RecordedSteps, RunMoments};
 use crate::catalogue::SystemDescription;
-use crate::log_entry::brief_datum;
+use crate::log_entry::{LogLevel, brief_datum};
 use crate::recording_description::RecordingDescription;
 
 /// Limit on the number of marks on the line of time.
@@ -179,7 +179,10 @@ impl RunBuilder {
         self.specification(component, at, &cycle.specification, begin.as_ref());
         if !is_intact {
             let words = format!("the record of step {} was changed", cycle.number);
-            self.entry(at, &NewEntry::new("error", "recording", component, words));
+            self.entry(
+                at,
+                &NewEntry::new(LogLevel::Error, "recording", component, words),
+            );
         }
         let versions = self.versions.get(component).map_or(0, Vec::len);
         let begin = begin.map(|begin| RecordedBegin {
@@ -259,8 +262,8 @@ impl RunBuilder {
                     .ok()
                     .and_then(|record| of_call(caller, &record));
                 if let Some(entry) = entry {
-                    let json = entry.json(at);
-                    self.moments.calls.push(RecordedEntry { at, json });
+                    let entry = entry.entry(at);
+                    self.moments.calls.push(RecordedEntry { at, entry });
                 }
             }
             // the caller's record says the same
@@ -313,11 +316,11 @@ impl RunBuilder {
 
     fn entry(&mut self, at: Time, entry: &NewEntry) {
         let marks = &mut self.recording.marks;
-        if ["warning", "error"].contains(&entry.level) && marks.len() < MOST_MARKS {
-            marks.push((at.seconds(), entry.level, entry.text.clone()));
+        if entry.level >= LogLevel::Warning && marks.len() < MOST_MARKS {
+            marks.push((at.seconds(), entry.level.name(), entry.text.clone()));
         }
-        let json = entry.json(at);
-        self.moments.log.push(RecordedEntry { at, json });
+        let entry = entry.entry(at);
+        self.moments.log.push(RecordedEntry { at, entry });
     }
 
     fn finish(mut self) -> RecordedRun {
@@ -364,7 +367,10 @@ impl RunBuilder {
             for (at, data) in &output.samples {
                 if let Ok(datum) = data.datum() {
                     let words = format!("{topic} {}", brief_datum(&datum, &output.kind));
-                    entries.push((*at, NewEntry::new("info", "message", component, words)));
+                    entries.push((
+                        *at,
+                        NewEntry::new(LogLevel::Info, "message", component, words),
+                    ));
                 }
             }
         }

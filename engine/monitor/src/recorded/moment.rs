@@ -7,8 +7,10 @@ use asmotion_component::Time;
 use serde_json::{Value, json};
 
 use super::{RecordedEntry, RecordedOutput, RecordedSteps, RunMoments};
+use crate::log_entry::LogFilter;
 use crate::past::{MomentRequest, Past};
 use crate::rendering;
+use crate::step_guards::KnownStep;
 
 /// Number of steps or entries of a window before its moment, and after it.
 const AROUND: (usize, usize) = (400, 200);
@@ -74,6 +76,30 @@ impl Past for RunMoments {
         self.end
     }
 
+    fn known_step(&self, component: &str, number: u64, t: f64) -> Option<KnownStep> {
+        let recorded = self.steps.get(component)?;
+        let (steps, from) = (&recorded.steps, |at: &Time| at.seconds() < t - 1e-6);
+        let first = steps.partition_point(|(at, _)| from(at));
+        let near = steps.get(first..)?.iter();
+        let mut near = near.take_while(|(at, _)| seconds_until(*at, t + 1e-6));
+        let index = first + near.position(|(_, step)| step.number == number)?;
+        let (at, record) = steps.get(index)?;
+        let before = match recorded.begins.get(&index) {
+            Some(begin) => begin.state.clone(),
+            None => {
+                let state = recorded.state_before(index);
+                let values = state.values();
+                let owned = values.map(|(location, value)| (location.to_owned(), value.to_owned()));
+                owned.collect()
+            }
+        };
+        Some(KnownStep {
+            before,
+            record: record.clone(),
+            at: *at,
+        })
+    }
+
     fn moment(&self, request: &MomentRequest<'_>) -> String {
         let t = if request.t.is_finite() {
             request.t
@@ -87,7 +113,7 @@ impl Past for RunMoments {
         });
         let samples: Vec<String> = samples.collect();
         let window = if request.window {
-            self.window(t, request.span)
+            self.window(t, request.span, request.log.as_ref())
         } else {
             Value::Null
         };
@@ -117,6 +143,7 @@ impl RecordedOutput {
         let pace = OutputPace::of(&recent.collect::<Vec<_>>(), t);
         json!({
             "name": name, "type": self.kind, "topic": self.topic, "n": count, "hz": pace.gap_s.map(f64::recip),
+            "bytes": count.checked_sub(1).and_then(|last| self.samples.get(last)).map(|(_, data)| data.size()),
             "age_ms": pace.age_s.map(|age| (age * 1000.0).round()), "stale": pace.is_stale,
         })
         .to_string()
@@ -162,7 +189,7 @@ impl RecordedOutput {
 
 impl RunMoments {
     /// Steps, states and entries around a time.
-    fn window(&self, t: f64, span: f64) -> Value {
+    fn window(&self, t: f64, span: f64, filter: Option<&LogFilter>) -> Value {
         let span = if span.is_finite() {
             span.clamp(1.0, 3600.0)
         } else {
@@ -184,14 +211,17 @@ impl RunMoments {
             history.extend(recorded.entries(component, window.range.clone()));
             narrow(&window);
         }
+        // of a part of the log, the window has as many entries as of the whole
         let mut entries = |all: &[RecordedEntry]| -> Vec<Value> {
+            let takes = |it: &&RecordedEntry| filter.is_none_or(|filter| filter.takes(&it.entry));
+            let all: Vec<&RecordedEntry> = all.iter().filter(takes).collect();
             let window = window_range(all.len(), t, span, |index| {
                 all.get(index).map_or(0.0, |entry| entry.at.seconds())
             });
             narrow(&window);
             let entries = all.get(window.range).unwrap_or_default().iter();
             // what was written can be read
-            let parsed = entries.filter_map(|entry| serde_json::from_str(&entry.json).ok());
+            let parsed = entries.filter_map(|it| serde_json::from_str(&it.entry.json).ok());
             parsed.collect()
         };
         let (log, calls) = (entries(&self.log), entries(&self.calls));
@@ -206,7 +236,7 @@ impl RunMoments {
         let end = self.end.seconds();
         json!({
             "valid": [valid.0.max(-1.0), valid.1.min(end + 1.0)], "states": states, "history": history, "log": log,
-            "calls": calls, "series": series,
+            "calls": calls, "series": series, "filter": filter.map(|filter| filter.number),
         })
     }
 }

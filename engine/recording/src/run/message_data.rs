@@ -36,6 +36,11 @@ pub(super) enum MessageEncoding {
 }
 
 impl MessageData {
+    /// Size of the message in bytes, in the encoding of its channel.
+    pub fn size(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// The message as JSON.
     ///
     /// # Errors
