@@ -125,14 +125,21 @@ impl<'a> MachineSystem<'a> {
         }
     }
 
-    /// Keeps the inputs that the transition read, if inputs keep their values.
+    /// Keeps the inputs that the transition read, if inputs keep their values. Of those that properties mention, these are the ones
+    /// that a step read as well: what properties mention must not restrict the states.
     fn hold(&mut self, decisions: &Decisions, known: &[InputValue]) {
         if self.plan.changes.is_none() {
             return;
         }
         let moved = &self.moved;
         self.held.retain(|input| !moved.contains(&input.machine));
-        for input in known.iter().cloned().chain(decisions.read()) {
+        let is_read = |input: &&InputValue| {
+            let machine = self.machines.get(input.machine);
+            moved.contains(&input.machine) && machine.is_some_and(|it| has_read(it, input))
+        };
+        let known = known.iter().filter(is_read).cloned();
+        let known: Vec<InputValue> = known.collect();
+        for input in known.into_iter().chain(decisions.read()) {
             let is_it = |held: &InputValue| {
                 (held.machine, held.function, &held.arguments)
                     == (input.machine, input.function, &input.arguments)
@@ -376,6 +383,17 @@ impl TransitionSystem for MachineSystem<'_> {
         }
         fair
     }
+}
+
+/// Returns `true` if the last step of a machine read an input.
+fn has_read(machine: &Machine, input: &InputValue) -> bool {
+    let slot = machine
+        .state()
+        .slot(machine.program(), input.function, &input.arguments);
+    slot.is_some_and(|slot| {
+        let mut inputs = machine.last_step().inputs().iter();
+        inputs.any(|it| it.slot == slot)
+    })
 }
 
 /// The bits of a label that name the machine that the schedule selected.

@@ -71,7 +71,7 @@ impl Prepared {
 
     /// Returns `true` if the value of a formula in a state can differ from that at the nodes of the state.
     fn depends_on_inputs(&self, property: &Property) -> bool {
-        if property.kind == PropertyKind::Ltl || is_about_runs(&property.formula, true) {
+        if !property.may_see_inputs() {
             return false;
         }
         // from every state that can be reached, the same states can be reached again after the next step
@@ -95,6 +95,7 @@ impl Prepared {
         let property = self.properties.get(index)?;
         let mut used: BTreeSet<usize> = self.conditions.assumed.iter().copied().collect();
         used.extend(&property.antecedents);
+        used.extend(&property.mentions);
         visit_conditions(&property.formula, &mut |index| {
             used.insert(index);
         });
@@ -107,6 +108,7 @@ impl Prepared {
         }
         let numbers = Renumbered(used.into_iter().collect());
         let antecedents = property.antecedents.iter();
+        let mentions = property.mentions.iter();
         let fairness = self.fairness.iter().map(|constraint| match constraint {
             FairnessFormula::Justice(often) => FairnessFormula::Justice(numbers.formula(often)),
             FairnessFormula::Compassion(cause, effect) => {
@@ -121,6 +123,7 @@ impl Prepared {
                 inputs: property.inputs.clone(),
                 formula: numbers.formula(&property.formula),
                 antecedents: antecedents.map(|it| numbers.condition(*it)).collect(),
+                mentions: mentions.map(|it| numbers.condition(*it)).collect(),
                 ..*property
             }],
             fairness: fairness.collect(),
@@ -137,6 +140,13 @@ impl Prepared {
             alone.texts.push(self.texts.get(*known)?.clone());
         }
         Some(alone)
+    }
+}
+
+impl Property {
+    /// Returns `true` if the value of the formula in a state may differ from that at the nodes of the state.
+    pub fn may_see_inputs(&self) -> bool {
+        self.kind == PropertyKind::Ctl && !is_about_runs(&self.formula, true)
     }
 }
 
