@@ -563,3 +563,67 @@ fn random_systems_have_the_states_and_verdicts_that_a_naive_exploration_finds() 
         "{large} {failing} {held} {violated}"
     );
 }
+
+/// A message arrives at last, also if its receiver makes steps together with its sender.
+#[test]
+fn delayed_messages_arrive_in_every_schedule() {
+    let client = "asm model
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Adder subsetof Agent
+  static adder: Adder
+  out add: Prod(Adder, Number) -> Number
+  controlled reply: Number
+  controlled calls: Boolean
+definitions:
+  domain Number = {0:2}
+  main rule r_Main =
+    if isUndef(reply) then par r_wcall[adder, \"add\", 1, 0, reply] calls := not calls endpar endif
+default init s0:
+  function calls = false
+";
+    let provider = "asm model
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Adder subsetof Agent
+  out add: Prod(Adder, Number) -> Number
+  //@Backref
+  shared client: Agent -> Agent
+  controlled number: Number
+definitions:
+  domain Number = {0:2}
+  main rule r_Main =
+    if nextRequest(self) = \"add\" then seq
+      r_wreceive[client(self), \"add\", number]
+      r_wreply[client(self), \"add\", 2]
+    endseq endif
+default init s0:
+  function number = 0
+";
+    for schedule in [MachineSchedule::Interleaved, MachineSchedule::Synchronous] {
+        for (is_lossy, expected) in [(false, "holds"), (true, "violated")] {
+            let system = SystemSpecification {
+                machines: vec![machine("left", client), machine("right", provider)],
+                schedule,
+                ..SystemSpecification::default()
+            };
+            let options = Options {
+                properties: vec!["af(left.reply = 2)".to_owned()],
+                messages: MessageModel {
+                    is_lossy,
+                    is_delayed: true,
+                    mailbox: 2,
+                },
+                ends: Some("isDef(left.reply)".to_owned()),
+                ..Options::default()
+            };
+            let found = verified_system(system, &options);
+            let verdict = crate::verdict_of(&found, "af(left.reply = 2)");
+            assert_eq!(verdict, expected, "{schedule:?} {is_lossy}");
+        }
+    }
+}
