@@ -138,16 +138,11 @@ fn module(rules: usize) -> Option<JITModule> {
     } else {
         "false"
     };
-    let (level, registers) = if rules < FEW_RULES {
-        ("speed", "backtracking")
-    } else {
-        ("none", "single_pass")
-    };
+    let level = if rules < FEW_RULES { "speed" } else { "none" };
     let mut flags = settings::builder();
     flags.set("use_colocated_libcalls", "false").ok()?;
     flags.set("is_pic", "false").ok()?;
     flags.set("opt_level", level).ok()?;
-    flags.set("regalloc_algorithm", registers).ok()?;
     flags.set("enable_verifier", verifies).ok()?;
     let isa = cranelift_native::builder().ok()?;
     let isa = isa.finish(settings::Flags::new(flags)).ok()?;

@@ -90,15 +90,32 @@ impl Prepared {
         !is_recurrence || self.has_fairness
     }
 
-    /// Returns one property with what its verdict depends on.
-    pub fn alone(&self, index: usize) -> Option<Self> {
-        let property = self.properties.get(index)?;
+    /// Groups properties that are verified alone: those that mention no inputs themselves have the same nodes.
+    pub fn groups(&self, alone: &[usize]) -> Vec<Vec<usize>> {
+        let has_inputs = |index: &usize| {
+            let property = self.properties.get(*index);
+            property.is_some_and(|it| !it.inputs.is_empty())
+        };
+        let (single, together): (Vec<usize>, Vec<usize>) =
+            alone.iter().copied().partition(has_inputs);
+        let groups = std::iter::once(together).filter(|it| !it.is_empty());
+        groups
+            .chain(single.into_iter().map(|index| vec![index]))
+            .collect()
+    }
+
+    /// Returns some properties with what their verdicts depend on.
+    pub fn alone(&self, indices: &[usize]) -> Option<Self> {
+        let properties = indices.iter().map(|index| self.properties.get(*index));
+        let properties = properties.collect::<Option<Vec<&Property>>>()?;
         let mut used: BTreeSet<usize> = self.conditions.assumed.iter().copied().collect();
-        used.extend(&property.antecedents);
-        used.extend(&property.mentions);
-        visit_conditions(&property.formula, &mut |index| {
-            used.insert(index);
-        });
+        for property in &properties {
+            used.extend(&property.antecedents);
+            used.extend(&property.mentions);
+            visit_conditions(&property.formula, &mut |index| {
+                used.insert(index);
+            });
+        }
         for constraint in &self.fairness {
             for formula in constraint.formulas() {
                 visit_conditions(formula, &mut |index| {
@@ -107,8 +124,6 @@ impl Prepared {
             }
         }
         let numbers = Renumbered(used.into_iter().collect());
-        let antecedents = property.antecedents.iter();
-        let mentions = property.mentions.iter();
         let fairness = self.fairness.iter().map(|constraint| match constraint {
             FairnessFormula::Justice(often) => FairnessFormula::Justice(numbers.formula(often)),
             FairnessFormula::Compassion(cause, effect) => {
@@ -117,15 +132,7 @@ impl Prepared {
         });
         let assumed = self.conditions.assumed.iter();
         let mut alone = Self {
-            properties: vec![Property {
-                name: property.name.clone(),
-                text: property.text.clone(),
-                inputs: property.inputs.clone(),
-                formula: numbers.formula(&property.formula),
-                antecedents: antecedents.map(|it| numbers.condition(*it)).collect(),
-                mentions: mentions.map(|it| numbers.condition(*it)).collect(),
-                ..*property
-            }],
+            properties: properties.iter().map(|it| numbers.property(it)).collect(),
             fairness: fairness.collect(),
             has_fairness: self.has_fairness,
             has_several_starts: self.has_several_starts,
@@ -201,6 +208,19 @@ struct Renumbered(Vec<usize>);
 impl Renumbered {
     fn condition(&self, index: usize) -> usize {
         self.0.partition_point(|known| *known < index)
+    }
+
+    fn property(&self, property: &Property) -> Property {
+        let conditions = |of: &[usize]| of.iter().map(|it| self.condition(*it)).collect();
+        Property {
+            name: property.name.clone(),
+            text: property.text.clone(),
+            inputs: property.inputs.clone(),
+            formula: self.formula(&property.formula),
+            antecedents: conditions(&property.antecedents),
+            mentions: conditions(&property.mentions),
+            ..*property
+        }
     }
 
     fn formula(&self, formula: &Formula) -> Formula {

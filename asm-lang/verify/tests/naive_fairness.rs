@@ -83,10 +83,7 @@ fn explored(text: &str) -> Option<(Vec<Vec<i64>>, Graph)> {
         let mut edges = Vec::new();
         for agent in 0..3 {
             let mut next = machines[at].clone();
-            if next
-                .step(&mut NoInputs, &mut Choices(&digits), 0)
-                .is_ok()
-            {
+            if next.step(&mut NoInputs, &mut Choices(&digits), 0).is_ok() {
                 let state = locations(&next);
                 let count = machines.len();
                 let target = *known.entry(state.clone()).or_insert(count);
@@ -173,7 +170,9 @@ fn formulas_under_fairness_have_the_values_of_a_naive_exploration() {
                 lines = format!("  COMPASSION({cause}, {effect})\n");
                 let effects = of(&effect);
                 for (edges, is_it) in graph.edges.iter_mut().zip(effects) {
-                    edges.iter_mut().for_each(|it| it.1 |= u32::from(is_it) << 5);
+                    edges
+                        .iter_mut()
+                        .for_each(|it| it.1 |= u32::from(is_it) << 5);
                 }
                 let is_effect = |label: u32, mask: u32| label & mask != 0;
                 graph.fairness = vec![Fair::IfOften(of(&cause), is_effect, 1 << 5)];

@@ -73,7 +73,9 @@ fn value(machine: &Machine, name: &str) -> Value {
     let program = machine.program();
     let mut names = program.symbols.functions.iter();
     let function = names.position(|known| &**known == name).unwrap();
-    let slot = machine.state().slot(program, FunctionId(function as u32), &[]);
+    let slot = machine
+        .state()
+        .slot(program, FunctionId(function as u32), &[]);
     machine.state().get(slot.unwrap()).clone()
 }
 
@@ -176,7 +178,11 @@ impl Explored {
             all.extend(read.clone());
             if changes(&node.held, &all) <= limit {
                 if is_done {
-                    let held = if limit == usize::MAX { Inputs::new() } else { read };
+                    let held = if limit == usize::MAX {
+                        Inputs::new()
+                    } else {
+                        read
+                    };
                     let targets = self.enter(&next, &held, mentioned, limit);
                     self.graph.edges[at].extend(targets.into_iter().map(|it| (it, 0)));
                 } else {
@@ -190,7 +196,8 @@ impl Explored {
     }
 
     fn satisfies(&self, formula: &Formula) -> bool {
-        self.graph.satisfies(formula, &|node, condition| self.is_true(node, condition))
+        self.graph
+            .satisfies(formula, &|node, condition| self.is_true(node, condition))
     }
 
     fn is_true(&self, node: usize, condition: &Condition) -> bool {

@@ -119,7 +119,11 @@ impl Graph {
                     }
                 }
             }
-            let found = if is_fair { component } else { self.fair_cores(&rest) };
+            let found = if is_fair {
+                component
+            } else {
+                self.fair_cores(&rest)
+            };
             for (index, is_in) in found.iter().enumerate() {
                 cores[index] |= is_in;
             }
@@ -138,7 +142,10 @@ impl Graph {
         let of = |formula: &Formula| self.nodes_of(formula, truths);
         let not = |nodes: Nodes| nodes.into_iter().map(|it| !it).collect::<Nodes>();
         let both = |left: &Nodes, right: &Nodes| {
-            left.iter().zip(right).map(|(l, r)| *l && *r).collect::<Nodes>()
+            left.iter()
+                .zip(right)
+                .map(|(l, r)| *l && *r)
+                .collect::<Nodes>()
         };
         let fair = || self.fair_within(&all);
         let next = |nodes: &Nodes| {
@@ -174,11 +181,7 @@ impl Graph {
     }
 
     /// Returns `true` if a formula is true at all initial nodes from which a fair path starts.
-    pub fn satisfies(
-        &self,
-        formula: &Formula,
-        truths: &dyn Fn(usize, &Condition) -> bool,
-    ) -> bool {
+    pub fn satisfies(&self, formula: &Formula, truths: &dyn Fn(usize, &Condition) -> bool) -> bool {
         let nodes = self.nodes_of(formula, truths);
         let fair = self.fair_within(&vec![true; self.len()]);
         self.initial.iter().all(|it| nodes[*it] || !fair[*it])
@@ -197,7 +200,7 @@ pub enum Condition {
 
 impl Condition {
     pub fn random(random: &mut Random, atoms: &[&'static str], depth: u32) -> Self {
-        let mut operand = |random: &mut Random| Box::new(Self::random(random, atoms, depth - 1));
+        let operand = |random: &mut Random| Box::new(Self::random(random, atoms, depth - 1));
         match random.below(if depth == 0 { 1 } else { 5 }) {
             0 | 1 => Self::Atom(atoms[random.below(atoms.len() as u64) as usize]),
             2 => Self::Not(operand(random)),

@@ -176,7 +176,10 @@ impl Whole {
         let seen = [1, 0].map(|other| number(&self.machines[other]));
         let mut has_changed = false;
         let mut sent = Vec::new();
-        for (&mover, seen) in movers.iter().zip(movers.iter().map(|mover| seen[*mover].clone())) {
+        for (&mover, seen) in movers
+            .iter()
+            .zip(movers.iter().map(|mover| seen[*mover].clone()))
+        {
             let machine = &mut self.machines[mover];
             let mut inputs = Inputs {
                 digits,
@@ -547,9 +550,11 @@ fn random_systems_have_the_states_and_verdicts_that_a_naive_exploration_finds() 
         failing += u32::from(expected.fails);
         // the naive decision takes too long
         for formula in formulas.iter().filter(|_| expected.states.len() < 300) {
-            let holds = expected.graph.satisfies(formula, &|node, condition: &Condition| {
-                condition.is_true(&|atom| is_true(&expected.states[node], atom))
-            });
+            let holds = expected
+                .graph
+                .satisfies(formula, &|node, condition: &Condition| {
+                    condition.is_true(&|atom| is_true(&expected.states[node], atom))
+                });
             let property = formula.to_string();
             let mut checked = verification.properties.iter();
             let checked = checked.find(|it| it.text == property).unwrap();

@@ -451,14 +451,17 @@ const INPUTS: [&str; 2] = ["estop", "seen"];
 /// transitions (`IVAR`), instead of being part of the state.
 fn compared(nusmv: &asmotion_skip::Nusmv, model: &Both, formulas: &[&Both]) -> Vec<(bool, bool)> {
     let fairness = model.smv.find("FAIRNESS").unwrap_or(model.smv.len());
-    let is_state = |input: &str| {
-        formulas[0].asm.contains(input) || model.smv[fairness..].contains(input)
-    };
+    let is_state =
+        |input: &str| formulas[0].asm.contains(input) || model.smv[fairness..].contains(input);
     let mut smv = model.smv.clone();
     for input in INPUTS.iter().filter(|input| !is_state(input)) {
         let declared = format!("  {input} : boolean;\n");
         smv = smv.replacen(&declared, "", 1);
-        smv = smv.replacen("MODULE main\n", &format!("MODULE main\nIVAR\n{declared}"), 1);
+        smv = smv.replacen(
+            "MODULE main\n",
+            &format!("MODULE main\nIVAR\n{declared}"),
+            1,
+        );
     }
     for formula in formulas {
         writeln!(smv, "CTLSPEC {}", formula.smv).unwrap();
@@ -490,7 +493,11 @@ fn verified_as_a_whole(model: &str, properties: &[String]) -> Vec<bool> {
         properties.iter().map(verdict).collect::<Vec<bool>>()
     };
     let explicit = of_engine(Engine::Explicit);
-    assert_eq!(explicit, of_engine(Engine::Symbolic), "{properties:?}\n{model}");
+    assert_eq!(
+        explicit,
+        of_engine(Engine::Symbolic),
+        "{properties:?}\n{model}"
+    );
     explicit
 }
 
@@ -527,7 +534,11 @@ fn inputs_that_a_property_does_not_mention_are_ivar_of_nusmv() {
             let verdicts = compared(&nusmv, &model, &formulas);
             let mut whole = model.smv.clone();
             for (formula, (ours, theirs)) in group.iter().zip(&verdicts) {
-                assert_eq!(ours, theirs, "{}\n{}\n{}", formula.asm, model.asm, model.smv);
+                assert_eq!(
+                    ours, theirs,
+                    "{}\n{}\n{}",
+                    formula.asm, model.asm, model.smv
+                );
                 held += u32::from(*ours);
                 violated += u32::from(!ours);
                 writeln!(whole, "CTLSPEC {}", formula.smv).unwrap();
@@ -542,5 +553,7 @@ fn inputs_that_a_property_does_not_mention_are_ivar_of_nusmv() {
         held > 50 && violated > 50 && different > 0,
         "{held} {violated} {different}"
     );
-    println!("{held} hold, {violated} are violated, {different} differ if all inputs are part of the state");
+    println!(
+        "{held} hold, {violated} are violated, {different} differ if all inputs are part of the state"
+    );
 }

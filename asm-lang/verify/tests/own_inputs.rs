@@ -89,7 +89,10 @@ fn a_state_is_considered_with_all_inputs_that_a_property_mentions() {
             // the input has two values, and `p` follows from it
             let text = text
                 .replace("left: Boolean", "side: Side")
-                .replace("signature:", "signature:\n  enum domain Side = {LEFT | RIGHT}")
+                .replace(
+                    "signature:",
+                    "signature:\n  enum domain Side = {LEFT | RIGHT}",
+                )
                 .replace("p := left", "p := side = LEFT")
                 .replace("or left)", "or side = LEFT)")
                 .replace("then left", "then side = LEFT");
