@@ -40,6 +40,13 @@ impl Arrivals {
     pub fn of_sender(sender: usize) -> u32 {
         1 << (9 + sender.min(22))
     }
+
+    /// Set, in a step of several of so many machines, if no message between two of them waits, or one arrives; for a machine itself, as
+    /// [`Arrivals::CALLS`]. With more than four machines, the last ones share a bit, which is set if one of theirs is: then less
+    /// fairness is assumed.
+    pub fn between(sender: usize, receiver: usize, machines: usize) -> u32 {
+        1 << (8 + (receiver * machines + sender).min(23))
+    }
 }
 
 impl MessageDelivery<'_> {

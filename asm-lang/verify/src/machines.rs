@@ -64,7 +64,7 @@ impl<'a> MachineSystem<'a> {
         for &index in movers.iter().filter(|_| uses_messages) {
             let arrivals = self.delivery(decisions).arrive(index);
             has_changed |= arrivals.is_any;
-            self.label |= arrivals.label;
+            self.label |= self.label_of_arrivals(index, arrivals.label);
         }
         for &index in movers {
             has_changed |= self.execute(index, decisions, known)?;
@@ -73,6 +73,33 @@ impl<'a> MachineSystem<'a> {
             has_changed |= self.delivery(decisions).send(index)?;
         }
         Ok(has_changed)
+    }
+
+    /// Returns `true` if the schedule selects one of several machines.
+    fn is_interleaved(&self) -> bool {
+        self.plan.schedule == MachineSchedule::Interleaved && self.plan.scheduled().len() > 1
+    }
+
+    /// Returns the bits of a label for what is not made to wait at a machine. If one machine moves at a time, the label names it;
+    /// otherwise the bits are those of this machine.
+    fn label_of_arrivals(&self, receiver: usize, arrivals: u32) -> u32 {
+        if self.is_interleaved() {
+            let is_surrounding = Some(receiver) == self.plan.environment;
+            return if is_surrounding { 0 } else { arrivals };
+        }
+        let machines = self.machines.len();
+        let mut label = 0;
+        for sender in 0..machines {
+            let bit = if sender == receiver {
+                Arrivals::CALLS
+            } else {
+                Arrivals::of_sender(sender)
+            };
+            if arrivals & bit != 0 {
+                label |= Arrivals::between(sender, receiver, machines);
+            }
+        }
+        label
     }
 
     /// Executes the step of one machine. Returns `true` if it updates a location.
@@ -125,14 +152,21 @@ impl<'a> MachineSystem<'a> {
         }
     }
 
-    /// Keeps the inputs that the transition read, if inputs keep their values.
+    /// Keeps the inputs that the transition read, if inputs keep their values. Of those that properties mention, these are the ones
+    /// that a step read as well: what properties mention must not restrict the states.
     fn hold(&mut self, decisions: &Decisions, known: &[InputValue]) {
         if self.plan.changes.is_none() {
             return;
         }
         let moved = &self.moved;
         self.held.retain(|input| !moved.contains(&input.machine));
-        for input in known.iter().cloned().chain(decisions.read()) {
+        let is_read = |input: &&InputValue| {
+            let machine = self.machines.get(input.machine);
+            moved.contains(&input.machine) && machine.is_some_and(|it| has_read(it, input))
+        };
+        let known = known.iter().filter(is_read).cloned();
+        let known: Vec<InputValue> = known.collect();
+        for input in known.into_iter().chain(decisions.read()) {
             let is_it = |held: &InputValue| {
                 (held.machine, held.function, &held.arguments)
                     == (input.machine, input.function, &input.arguments)
@@ -345,37 +379,58 @@ impl TransitionSystem for MachineSystem<'_> {
     }
 
     fn fairness(&self) -> Vec<FairLabels> {
-        let scheduled = self.plan.scheduled();
-        let is_interleaved =
-            self.plan.schedule == MachineSchedule::Interleaved && scheduled.len() > 1;
+        let is_interleaved = self.is_interleaved();
+        let messages = &self.plan.messages;
+        let senders = if messages.model.is_delayed {
+            self.machines.len()
+        } else {
+            0
+        };
         let mut fair = Vec::new();
-        for &index in &scheduled {
-            let machine = index as u32;
-            let (mask, value) = if is_interleaved {
-                (MACHINE, machine)
-            } else {
-                (0, 0)
-            };
+        for index in self.plan.scheduled() {
             // the schedule selects each machine again and again
-            if is_interleaved {
-                fair.push(FairLabels { mask, value });
-            }
-            if !self.plan.messages.is_used() {
+            let selected = FairLabels {
+                mask: MACHINE,
+                value: index as u32,
+            };
+            fair.extend(is_interleaved.then_some(selected));
+            if !messages.is_used() {
                 continue;
             }
             // calls end at their deadline, and messages arrive
-            let senders = 0..self.machines.len();
-            let senders = senders.filter(|_| self.plan.messages.model.is_delayed);
-            let prompt = senders.map(Arrivals::of_sender);
-            for bit in [Arrivals::CALLS].into_iter().chain(prompt) {
-                fair.push(FairLabels {
-                    mask: mask | bit,
-                    value: value | bit,
-                });
-            }
+            let others = (0..senders).filter(|sender| *sender != index);
+            fair.extend([index].into_iter().chain(others).map(|sender| {
+                if !is_interleaved {
+                    let bit = Arrivals::between(sender, index, self.machines.len());
+                    return FairLabels {
+                        mask: bit,
+                        value: bit,
+                    };
+                }
+                let bit = if sender == index {
+                    Arrivals::CALLS
+                } else {
+                    Arrivals::of_sender(sender)
+                };
+                FairLabels {
+                    mask: MACHINE | bit,
+                    value: index as u32 | bit,
+                }
+            }));
         }
         fair
     }
+}
+
+/// Returns `true` if the last step of a machine read an input.
+fn has_read(machine: &Machine, input: &InputValue) -> bool {
+    let slot = machine
+        .state()
+        .slot(machine.program(), input.function, &input.arguments);
+    slot.is_some_and(|slot| {
+        let mut inputs = machine.last_step().inputs().iter();
+        inputs.any(|it| it.slot == slot)
+    })
 }
 
 /// The bits of a label that name the machine that the schedule selected.

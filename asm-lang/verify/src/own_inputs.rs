@@ -71,7 +71,7 @@ impl Prepared {
 
     /// Returns `true` if the value of a formula in a state can differ from that at the nodes of the state.
     fn depends_on_inputs(&self, property: &Property) -> bool {
-        if property.kind == PropertyKind::Ltl || is_about_runs(&property.formula, true) {
+        if !property.may_see_inputs() {
             return false;
         }
         // from every state that can be reached, the same states can be reached again after the next step
@@ -90,14 +90,32 @@ impl Prepared {
         !is_recurrence || self.has_fairness
     }
 
-    /// Returns one property with what its verdict depends on.
-    pub fn alone(&self, index: usize) -> Option<Self> {
-        let property = self.properties.get(index)?;
+    /// Groups properties that are verified alone: those that mention no inputs themselves have the same nodes.
+    pub fn groups(&self, alone: &[usize]) -> Vec<Vec<usize>> {
+        let has_inputs = |index: &usize| {
+            let property = self.properties.get(*index);
+            property.is_some_and(|it| !it.inputs.is_empty())
+        };
+        let (single, together): (Vec<usize>, Vec<usize>) =
+            alone.iter().copied().partition(has_inputs);
+        let groups = std::iter::once(together).filter(|it| !it.is_empty());
+        groups
+            .chain(single.into_iter().map(|index| vec![index]))
+            .collect()
+    }
+
+    /// Returns some properties with what their verdicts depend on.
+    pub fn alone(&self, indices: &[usize]) -> Option<Self> {
+        let properties = indices.iter().map(|index| self.properties.get(*index));
+        let properties = properties.collect::<Option<Vec<&Property>>>()?;
         let mut used: BTreeSet<usize> = self.conditions.assumed.iter().copied().collect();
-        used.extend(&property.antecedents);
-        visit_conditions(&property.formula, &mut |index| {
-            used.insert(index);
-        });
+        for property in &properties {
+            used.extend(&property.antecedents);
+            used.extend(&property.mentions);
+            visit_conditions(&property.formula, &mut |index| {
+                used.insert(index);
+            });
+        }
         for constraint in &self.fairness {
             for formula in constraint.formulas() {
                 visit_conditions(formula, &mut |index| {
@@ -106,7 +124,6 @@ impl Prepared {
             }
         }
         let numbers = Renumbered(used.into_iter().collect());
-        let antecedents = property.antecedents.iter();
         let fairness = self.fairness.iter().map(|constraint| match constraint {
             FairnessFormula::Justice(often) => FairnessFormula::Justice(numbers.formula(often)),
             FairnessFormula::Compassion(cause, effect) => {
@@ -115,14 +132,7 @@ impl Prepared {
         });
         let assumed = self.conditions.assumed.iter();
         let mut alone = Self {
-            properties: vec![Property {
-                name: property.name.clone(),
-                text: property.text.clone(),
-                inputs: property.inputs.clone(),
-                formula: numbers.formula(&property.formula),
-                antecedents: antecedents.map(|it| numbers.condition(*it)).collect(),
-                ..*property
-            }],
+            properties: properties.iter().map(|it| numbers.property(it)).collect(),
             fairness: fairness.collect(),
             has_fairness: self.has_fairness,
             has_several_starts: self.has_several_starts,
@@ -137,6 +147,13 @@ impl Prepared {
             alone.texts.push(self.texts.get(*known)?.clone());
         }
         Some(alone)
+    }
+}
+
+impl Property {
+    /// Returns `true` if the value of the formula in a state may differ from that at the nodes of the state.
+    pub fn may_see_inputs(&self) -> bool {
+        self.kind == PropertyKind::Ctl && !is_about_runs(&self.formula, true)
     }
 }
 
@@ -191,6 +208,19 @@ struct Renumbered(Vec<usize>);
 impl Renumbered {
     fn condition(&self, index: usize) -> usize {
         self.0.partition_point(|known| *known < index)
+    }
+
+    fn property(&self, property: &Property) -> Property {
+        let conditions = |of: &[usize]| of.iter().map(|it| self.condition(*it)).collect();
+        Property {
+            name: property.name.clone(),
+            text: property.text.clone(),
+            inputs: property.inputs.clone(),
+            formula: self.formula(&property.formula),
+            antecedents: conditions(&property.antecedents),
+            mentions: conditions(&property.mentions),
+            ..*property
+        }
     }
 
     fn formula(&self, formula: &Formula) -> Formula {

@@ -5,6 +5,7 @@ use crate::explore::Conditions;
 use crate::final_states;
 use crate::formula::{Formula, FormulaProblem, Formulas, NoFormula};
 use crate::hints::{self, KnownNames};
+use crate::inputs::MAX_VALUES;
 use crate::logic::FairnessFormula;
 use crate::observer::ObserverMachine;
 use crate::operator::{Logic, TemporalFunctions};
@@ -16,10 +17,10 @@ use crate::system::{InputSources, VerifiedMachine};
 use crate::transition::ConditionTerm;
 use asmotion_diagnostics::{Finding, Sources, Span};
 use asmotion_lang::hir::{
-    Expression, FunctionId, Invariant, Model, PropertyLogic, TemporalProperty, Term,
+    Expression, FunctionId, Invariant, Model, PropertyLogic, TemporalProperty, Term, TermKind,
 };
-use asmotion_lang::{Diagnostic, Report, Specification};
-use std::collections::BTreeSet;
+use asmotion_lang::{Diagnostic, Machine, Report, Specification};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A property that is to be checked.
 pub(crate) struct Property {
@@ -34,6 +35,8 @@ pub(crate) struct Property {
     pub antecedents: Vec<usize>,
     /// The inputs that it mentions.
     pub inputs: InputFunctions,
+    /// Conditions that read these inputs, and those that all properties share, where its own conditions may not need them.
+    pub mentions: Vec<usize>,
 }
 
 /// Everything that the properties of a specification consist of.
@@ -149,6 +152,7 @@ impl Prepared {
         for term in given {
             preparation.given(term);
         }
+        preparation.mentions(&machine);
         let Preparation {
             mut prepared,
             formulas,
@@ -370,6 +374,7 @@ impl Preparation<'_> {
             formula,
             antecedents,
             inputs,
+            mentions: Vec::new(),
         });
     }
 
@@ -392,7 +397,47 @@ impl Preparation<'_> {
             formula,
             antecedents,
             inputs,
+            mentions: Vec::new(),
         });
+    }
+
+    /// Lets conditions read the inputs of this machine that properties mention, where that matters: an operand or a part of a term is not
+    /// evaluated if another one decides.
+    fn mentions(&mut self, machine: &Machine) {
+        let mut known = BTreeMap::new();
+        let common = self.prepared.common_inputs.iter();
+        let common = common.filter(|(machine, _)| *machine == self.index);
+        let common: InputFunctions = common.copied().collect();
+        let mut properties = std::mem::take(&mut self.prepared.properties);
+        let own = self.index;
+        let may_see = |it: &&mut Property| it.machine == own && it.may_see_inputs();
+        for property in properties.iter_mut().filter(may_see) {
+            for (_, function) in property.inputs.union(&common) {
+                let index = known.entry(*function);
+                let index = *index.or_insert_with(|| self.reading(*function, machine));
+                property.mentions.extend(index);
+            }
+        }
+        self.prepared.properties = properties;
+    }
+
+    /// Adds a condition that reads an input without parameters and with finitely many values; returns its index.
+    fn reading(&mut self, function: FunctionId, machine: &Machine) -> Option<usize> {
+        let compiled = machine.program().functions.get(function.0 as usize)?;
+        machine.elements(&compiled.codomain, MAX_VALUES)?;
+        let declared = self.formulas.model.functions.get(function.0 as usize)?;
+        if !declared.parameters.is_empty() {
+            return None;
+        }
+        let term = Term {
+            kind: Box::new(TermKind::Apply(function, Vec::new())),
+            ty: declared.codomain,
+            span: declared.span,
+        };
+        match self.formulas.condition(term, Vec::new()) {
+            Formula::Condition(index) => Some(index),
+            Formula::Constant(_) | Formula::Apply(..) | Formula::Repeat(..) => None,
+        }
     }
 
     /// Returns the inputs that a term mentions.
@@ -533,6 +578,7 @@ impl Preparation<'_> {
                 formula,
                 antecedents,
                 inputs,
+                mentions: Vec::new(),
             });
         }
     }

@@ -308,7 +308,7 @@ struct Exploring<'a> {
 }
 
 impl Exploring<'_> {
-    /// Checks the properties, and those whose verdicts depend on which inputs the others mention once more without the others.
+    /// Checks the properties, and those whose verdicts depend on which inputs the others mention once more without these.
     fn whole(
         &self,
         machines: &[Machine],
@@ -330,15 +330,14 @@ impl Exploring<'_> {
             found.ends > 0,
             !self.fair.is_empty(),
         );
-        for index in alone.into_iter().filter(is_wanted) {
-            let Some(properties) = self.properties.alone(index) else {
+        let alone: Vec<usize> = alone.into_iter().filter(is_wanted).collect();
+        for group in self.properties.groups(&alone) {
+            let Some(properties) = self.properties.alone(&group) else {
                 continue;
             };
-            let Some(property) = properties.properties.first() else {
-                continue;
-            };
+            let texts = properties.properties.iter().map(|it| it.text.clone());
             let options = Options {
-                only: vec![property.text.clone()],
+                only: texts.collect(),
                 advice: false,
                 ..self.options.clone()
             };
@@ -347,20 +346,19 @@ impl Exploring<'_> {
                 options: &options,
                 ..*self
             };
-            let of_property = exploring.checked(machines, plan, None, proceed)?;
-            let is_it = |it: &CheckedProperty| {
-                it.machine == property.machine
-                    && it.place == property.place
-                    && (&it.kind, &it.text) == (&property.kind, &property.text)
-            };
-            let known = found.properties.iter_mut().find(|it| is_it(it));
-            if let (Some(known), Some(checked)) = (known, of_property.properties.into_iter().next())
-            {
-                *known = checked;
-                // the states that all properties share are complete
-                known
-                    .notes
-                    .extend(of_property.incomplete.map(Note::Undecided));
+            let of_group = exploring.checked(machines, plan, None, proceed)?;
+            for checked in of_group.properties {
+                let mut known = found.properties.iter_mut();
+                let known = known.find(|it| {
+                    it.machine == checked.machine
+                        && it.place == checked.place
+                        && (&it.kind, &it.text) == (&checked.kind, &checked.text)
+                });
+                if let Some(known) = known {
+                    *known = checked;
+                    // the states that all properties share are complete
+                    known.notes.extend(of_group.incomplete.map(Note::Undecided));
+                }
             }
         }
         Ok(found)

@@ -2,18 +2,24 @@
 //! are cloned, messages are kept in lists of texts and numbers, and every combination is executed from scratch.
 
 use crate::naive::{Digits, Random};
+use crate::naive_logic::{Condition, Fair, Formula, Graph};
+use crate::storage::{ENOUGH, Limited};
 use crate::{machine, verified_system};
 use asmotion_lang::ir::FunctionKind;
-use asmotion_lang::machine::{MessageId, SentKind};
+use asmotion_lang::machine::{MessageId, SentKind, SentMessage};
 use asmotion_lang::{Chooser, Environment, Machine, Value};
-use asmotion_verify::{MessageModel, Options, SystemSpecification};
+use asmotion_verify::{
+    EnvironmentModel, MachineSchedule, MessageModel, Options, Storage, SystemSpecification,
+};
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// The inputs of a machine: its own are Booleans, and `seen` is the number of the other machine.
 struct Inputs<'a> {
     digits: &'a RefCell<Digits>,
     own: String,
+    /// The value of its own input, once it is read.
+    read: Option<bool>,
     seen: Value,
     names: Vec<std::sync::Arc<str>>,
 }
@@ -26,7 +32,11 @@ impl Environment for Inputs<'_> {
     ) -> Result<Option<Value>, String> {
         let name = &*self.names[function.0 as usize];
         Ok(match name {
-            name if name == self.own => Some(Value::Bool(self.digits.borrow_mut().draw(2) == 1)),
+            name if name == self.own => {
+                let value = self.digits.borrow_mut().draw(2) == 1;
+                self.read = Some(value);
+                Some(Value::Bool(value))
+            }
             "numberLeft" | "numberRight" => Some(self.seen.clone()),
             _ => None,
         })
@@ -57,7 +67,23 @@ struct Whole {
     under_way: [Vec<Naive>; 2],
     /// Id of the request in the provider, and id of the call in the client.
     requests: Vec<(MessageId, MessageId)>,
+    /// The input of each machine, if its last step read it and inputs keep their values.
+    held: [Option<bool>; 2],
 }
+
+/// How machines move.
+#[derive(Clone, Copy, Debug)]
+struct Movement {
+    messages: MessageModel,
+    is_synchronous: bool,
+    /// `true` if inputs keep their values for ever.
+    is_held: bool,
+}
+
+/// Labels of edges: the machine that moves, and the machines at which a message is not made to wait.
+const RIGHT_MOVES: u32 = 1;
+const PROMPT: [u32; 2] = [2, 4];
+const STUTTER: u32 = u32::MAX;
 
 fn number(machine: &Machine) -> Value {
     let program = machine.program();
@@ -102,7 +128,7 @@ impl Whole {
         };
         let requests = self.requests.iter().map(|(_, call)| age(call));
         format!(
-            "{locations:?} {waits} {} {} {} {} {} {} {:?}",
+            "{locations:?} {waits} {} {} {} {} {} {} {:?} {:?}",
             left.undelivered_messages(),
             right.undelivered_messages(),
             letters(&self.letters[0]),
@@ -110,6 +136,7 @@ impl Whole {
             letters(&self.under_way[0]),
             letters(&self.under_way[1]),
             requests.collect::<Vec<_>>(),
+            self.held,
         )
     }
 
@@ -132,34 +159,77 @@ impl Whole {
         }
     }
 
-    /// Lets one machine make a step. `Err` if a mailbox is full or the step fails.
+    /// Lets machines make a step at the same time; returns the label. `Err` if a mailbox is full or a step fails, and `None` if an input
+    /// changes that is held.
     fn step(
         &mut self,
-        mover: usize,
+        movers: &[usize],
+        digits: &RefCell<Digits>,
+        movement: Movement,
+    ) -> Result<Option<u32>, ()> {
+        let mut label = if movers == [1] { RIGHT_MOVES } else { 0 };
+        for &mover in movers {
+            if self.arrive(mover, digits) {
+                label |= PROMPT[mover];
+            }
+        }
+        let seen = [1, 0].map(|other| number(&self.machines[other]));
+        let mut has_changed = false;
+        let mut sent = Vec::new();
+        for (&mover, seen) in movers
+            .iter()
+            .zip(movers.iter().map(|mover| seen[*mover].clone()))
+        {
+            let machine = &mut self.machines[mover];
+            let mut inputs = Inputs {
+                digits,
+                own: ["goLeft", "goRight"][mover].to_owned(),
+                read: None,
+                seen,
+                names: machine.program().symbols.functions.clone(),
+            };
+            let step = machine.step(&mut inputs, &mut Choices(digits), 0);
+            let read = inputs.read;
+            if movement.is_held {
+                let held = std::mem::replace(&mut self.held[mover], read);
+                has_changed |= held.is_some() && read.is_some() && held != read;
+            }
+            let of_step = step.map(|it| it.sent().to_vec());
+            if has_changed {
+                return Ok(None);
+            }
+            sent.push((mover, of_step.map_err(|_| ())?));
+            // what the machine has received
+            let left = self.machines[mover].undelivered_messages();
+            let received = self.letters[mover].len() - left;
+            self.letters[mover].drain(..received);
+        }
+        for (_, sent) in sent {
+            self.send(sent, digits, movement.messages)?;
+        }
+        Ok(Some(label))
+    }
+
+    /// Delivers some messages to a machine; returns `true` if none is made to wait, or one arrives.
+    fn arrive(&mut self, mover: usize, digits: &RefCell<Digits>) -> bool {
+        if self.under_way[mover].is_empty() {
+            return true;
+        }
+        let count = digits.borrow_mut().draw(self.under_way[mover].len() + 1);
+        let arriving: Vec<Naive> = self.under_way[mover].drain(..count).collect();
+        for letter in arriving {
+            self.deliver(mover, letter);
+        }
+        count > 0
+    }
+
+    /// Sends the messages of a step.
+    fn send(
+        &mut self,
+        sent: Vec<SentMessage>,
         digits: &RefCell<Digits>,
         model: MessageModel,
     ) -> Result<(), ()> {
-        if !self.under_way[mover].is_empty() {
-            let count = digits.borrow_mut().draw(self.under_way[mover].len() + 1);
-            let arriving: Vec<Naive> = self.under_way[mover].drain(..count).collect();
-            for letter in arriving {
-                self.deliver(mover, letter);
-            }
-        }
-        let seen = number(&self.machines[1 - mover]);
-        let machine = &mut self.machines[mover];
-        let mut inputs = Inputs {
-            digits,
-            own: ["goLeft", "goRight"][mover].to_owned(),
-            seen,
-            names: machine.program().symbols.functions.clone(),
-        };
-        let step = machine.step(&mut inputs, &mut Choices(digits), 0);
-        let sent = step.map_err(|_| ())?.sent().to_vec();
-        // what the machine has received
-        let left = self.machines[mover].undelivered_messages();
-        let received = self.letters[mover].len() - left;
-        self.letters[mover].drain(..received);
         for message in sent {
             let (to, letter) = match &message.kind {
                 SentKind::Call {
@@ -202,8 +272,14 @@ impl Whole {
     }
 }
 
-/// Number of states, and whether a step fails.
-fn explored(texts: &[String; 2], model: MessageModel) -> (usize, bool) {
+/// What a naive exploration finds.
+struct Explored {
+    states: Vec<Whole>,
+    graph: Graph,
+    fails: bool,
+}
+
+fn explored(texts: &[String; 2], movement: Movement) -> Explored {
     let [mut left, mut right] = texts
         .each_ref()
         .map(|text| crate::open(text).machine().unwrap());
@@ -216,30 +292,102 @@ fn explored(texts: &[String; 2], model: MessageModel) -> (usize, bool) {
         letters: [Vec::new(), Vec::new()],
         under_way: [Vec::new(), Vec::new()],
         requests: Vec::new(),
+        held: [None; 2],
     };
-    let mut seen = BTreeSet::from([first.key()]);
-    let mut waiting = vec![first];
-    let mut fails = false;
-    while let Some(whole) = waiting.pop() {
-        for mover in 0..2 {
+    let mut known = BTreeMap::from([(first.key(), 0)]);
+    let mut found = Explored {
+        states: vec![first],
+        graph: Graph {
+            initial: vec![0],
+            ..Graph::default()
+        },
+        fails: false,
+    };
+    let moves: &[&[usize]] = if movement.is_synchronous {
+        &[&[0, 1]]
+    } else {
+        &[&[0], &[1]]
+    };
+    while found.graph.edges.len() < found.states.len() {
+        let at = found.graph.edges.len();
+        let mut edges = Vec::new();
+        for movers in moves {
             let digits = RefCell::new(Digits::default());
             loop {
-                let mut next = whole.clone();
-                match next.step(mover, &digits, model) {
-                    Ok(()) => {
-                        if seen.insert(next.key()) {
-                            waiting.push(next);
+                let mut next = found.states[at].clone();
+                match next.step(movers, &digits, movement) {
+                    Ok(Some(label)) => {
+                        let count = found.states.len();
+                        let target = *known.entry(next.key()).or_insert(count);
+                        if target == count {
+                            found.states.push(next);
                         }
+                        edges.push((target, label));
                     }
-                    Err(()) => fails = true,
+                    Ok(None) => {}
+                    Err(()) => found.fails = true,
                 }
                 if !digits.borrow_mut().increment() {
                     break;
                 }
             }
         }
+        found.graph.edges.push(edges);
     }
-    (seen.len(), fails)
+    found.graph.close(STUTTER);
+    found.graph.fairness = fairness(found.states.len(), movement);
+    found
+}
+
+/// Each machine moves again and again, and each message arrives.
+fn fairness(states: usize, movement: Movement) -> Vec<Fair> {
+    let mut fair = Vec::new();
+    for mover in 0..2 {
+        let prompt = if movement.messages.is_delayed {
+            PROMPT[mover]
+        } else {
+            0
+        };
+        let is_it: fn(u32, u32) -> bool = if movement.is_synchronous {
+            |label, mask| label == STUTTER || label & mask == mask
+        } else if mover == 1 {
+            |label, mask| label == STUTTER || label & RIGHT_MOVES != 0 && label & mask == mask
+        } else {
+            |label, mask| label == STUTTER || label & RIGHT_MOVES == 0 && label & mask == mask
+        };
+        fair.push(Fair::Often(vec![false; states], is_it, prompt));
+    }
+    fair
+}
+
+/// Conditions on both machines.
+const ATOMS: &[&str] = &[
+    "left.numberLeft = 0",
+    "left.numberLeft = 1",
+    "right.numberRight = 2",
+    "right.numberRight = 0",
+    "isDef(left.reply)",
+    "left.numberLeft = right.numberRight",
+];
+
+fn is_true(whole: &Whole, atom: &str) -> bool {
+    let [left, right] = whole.machines.each_ref().map(number);
+    match atom {
+        "left.numberLeft = 0" => left == Value::Int(0),
+        "left.numberLeft = 1" => left == Value::Int(1),
+        "right.numberRight = 2" => right == Value::Int(2),
+        "right.numberRight = 0" => right == Value::Int(0),
+        "isDef(left.reply)" => {
+            let machine = &whole.machines[0];
+            let program = machine.program();
+            let mut names = program.symbols.functions.iter();
+            let reply = names.position(|name| &**name == "reply").unwrap();
+            let reply = asmotion_lang::ir::FunctionId(reply as u32);
+            let slot = machine.state().slot(program, reply, &[]).unwrap();
+            !machine.state().get(slot).is_undef()
+        }
+        _ => left == right,
+    }
 }
 
 fn client(random: &mut Random) -> String {
@@ -333,37 +481,154 @@ default init s0:
     )
 }
 
+/// Ways to explore, which make no difference.
+fn explored_somehow(random: &mut Random, plain: Options) -> Options {
+    let mut flag = || random.below(2) == 0;
+    let (symmetry, cone, independent, without_grounding) = (flag(), flag(), flag(), flag());
+    Options {
+        symmetry,
+        cone,
+        independent,
+        without_grounding,
+        storage: match random.below(3) {
+            0 => Storage::Exact,
+            1 => Storage::Compact,
+            _ => Limited::of(ENOUGH),
+        },
+        threads: 1 + random.below(3) as usize,
+        ..plain
+    }
+}
+
 #[test]
-fn random_systems_have_the_states_that_a_naive_exploration_finds() {
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
-    let (mut large, mut failing) = (0, 0);
-    for round in 0..90 {
+fn random_systems_have_the_states_and_verdicts_that_a_naive_exploration_finds() {
+    let seed = std::env::var("ASMOTION_NAIVE_SEED").ok();
+    let seed = seed.and_then(|it| it.parse().ok());
+    let mut random = Random(seed.unwrap_or(0x2545_f491_4f6c_dd1d));
+    let (mut large, mut failing, mut held, mut violated) = (0, 0, 0, 0);
+    for round in 0..120 {
         let texts = [client(&mut random), provider(&mut random)];
-        let model = MessageModel {
-            is_lossy: round % 3 == 0,
-            is_delayed: round % 5 < 2,
-            mailbox: 1 + round % 2,
+        let movement = Movement {
+            messages: MessageModel {
+                is_lossy: round % 3 == 0,
+                is_delayed: round % 5 < 2,
+                mailbox: 1 + round % 2,
+            },
+            is_synchronous: round % 7 < 2,
+            is_held: round % 4 == 3,
         };
-        let (states, fails) = explored(&texts, model);
-        let system = SystemSpecification {
+        let expected = explored(&texts, movement);
+        let mut system = SystemSpecification {
             machines: vec![machine("left", &texts[0]), machine("right", &texts[1])],
             ..SystemSpecification::default()
         };
-        let options = Options {
-            messages: model,
+        if movement.is_synchronous {
+            system.schedule = MachineSchedule::Synchronous;
+        }
+        if movement.is_held {
+            system.environment = EnvironmentModel::Hold { changes: 0 };
+        }
+        let formulas: Vec<Formula> = (0..4)
+            .map(|at| Formula::temporal(&mut random, ATOMS, at % 3))
+            .collect();
+        let plain = Options {
+            messages: movement.messages,
+            properties: formulas.iter().map(ToString::to_string).collect(),
             ..Options::default()
         };
+        let options = explored_somehow(&mut random, plain);
         let verification = verified_system(system, &options);
-        let shown = format!("{}\n{}\n{model:?}", texts[0], texts[1]);
-        assert_eq!(verification.states, states as u64, "{shown}");
+        let shown = format!("{}\n{}\n{movement:?}\n{options:?}", texts[0], texts[1]);
+        assert_eq!(verification.states, expected.states.len() as u64, "{shown}");
         let no_fault = verification.properties.iter();
         let no_fault = no_fault.filter(|it| it.text == "no step fails");
-        let violated = no_fault
+        let failed = no_fault
             .map(|it| it.verdict.is_violated())
             .collect::<Vec<_>>();
-        assert_eq!(violated, [fails], "{shown}");
-        large += u32::from(states > 20);
-        failing += u32::from(fails);
+        assert_eq!(failed, [expected.fails], "{shown}");
+        large += u32::from(expected.states.len() > 20);
+        failing += u32::from(expected.fails);
+        // the naive decision takes too long
+        for formula in formulas.iter().filter(|_| expected.states.len() < 300) {
+            let holds = expected
+                .graph
+                .satisfies(formula, &|node, condition: &Condition| {
+                    condition.is_true(&|atom| is_true(&expected.states[node], atom))
+                });
+            let property = formula.to_string();
+            let mut checked = verification.properties.iter();
+            let checked = checked.find(|it| it.text == property).unwrap();
+            assert_eq!(checked.verdict.holds(), holds, "{property}\n{shown}");
+            held += u32::from(holds);
+            violated += u32::from(!holds);
+        }
     }
-    assert!(large > 20 && failing > 2, "{large} {failing}");
+    assert!(
+        large > 20 && failing > 2 && held > 50 && violated > 50,
+        "{large} {failing} {held} {violated}"
+    );
+}
+
+/// A message arrives at last, also if its receiver makes steps together with its sender.
+#[test]
+fn delayed_messages_arrive_in_every_schedule() {
+    let client = "asm model
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Adder subsetof Agent
+  static adder: Adder
+  out add: Prod(Adder, Number) -> Number
+  controlled reply: Number
+  controlled calls: Boolean
+definitions:
+  domain Number = {0:2}
+  main rule r_Main =
+    if isUndef(reply) then par r_wcall[adder, \"add\", 1, 0, reply] calls := not calls endpar endif
+default init s0:
+  function calls = false
+";
+    let provider = "asm model
+import StandardLibrary
+import CommonBehavior
+signature:
+  domain Number subsetof Integer
+  domain Adder subsetof Agent
+  out add: Prod(Adder, Number) -> Number
+  //@Backref
+  shared client: Agent -> Agent
+  controlled number: Number
+definitions:
+  domain Number = {0:2}
+  main rule r_Main =
+    if nextRequest(self) = \"add\" then seq
+      r_wreceive[client(self), \"add\", number]
+      r_wreply[client(self), \"add\", 2]
+    endseq endif
+default init s0:
+  function number = 0
+";
+    for schedule in [MachineSchedule::Interleaved, MachineSchedule::Synchronous] {
+        for (is_lossy, expected) in [(false, "holds"), (true, "violated")] {
+            let system = SystemSpecification {
+                machines: vec![machine("left", client), machine("right", provider)],
+                schedule,
+                ..SystemSpecification::default()
+            };
+            let options = Options {
+                properties: vec!["af(left.reply = 2)".to_owned()],
+                messages: MessageModel {
+                    is_lossy,
+                    is_delayed: true,
+                    mailbox: 2,
+                },
+                ends: Some("isDef(left.reply)".to_owned()),
+                ..Options::default()
+            };
+            let found = verified_system(system, &options);
+            let verdict = crate::verdict_of(&found, "af(left.reply = 2)");
+            assert_eq!(verdict, expected, "{schedule:?} {is_lossy}");
+        }
+    }
 }

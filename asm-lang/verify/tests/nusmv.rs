@@ -443,3 +443,117 @@ fn verdicts_on_random_models_are_those_of_nusmv() {
     }
     assert!(held > 200 && violated > 200, "{held} {violated}");
 }
+
+/// The inputs of random models.
+const INPUTS: [&str; 2] = ["estop", "seen"];
+
+/// Returns the verdicts of both on formulas that mention the same inputs. In the model for NuSMV, those that they do not mention label
+/// transitions (`IVAR`), instead of being part of the state.
+fn compared(nusmv: &asmotion_skip::Nusmv, model: &Both, formulas: &[&Both]) -> Vec<(bool, bool)> {
+    let fairness = model.smv.find("FAIRNESS").unwrap_or(model.smv.len());
+    let is_state =
+        |input: &str| formulas[0].asm.contains(input) || model.smv[fairness..].contains(input);
+    let mut smv = model.smv.clone();
+    for input in INPUTS.iter().filter(|input| !is_state(input)) {
+        let declared = format!("  {input} : boolean;\n");
+        smv = smv.replacen(&declared, "", 1);
+        smv = smv.replacen(
+            "MODULE main\n",
+            &format!("MODULE main\nIVAR\n{declared}"),
+            1,
+        );
+    }
+    for formula in formulas {
+        writeln!(smv, "CTLSPEC {}", formula.smv).unwrap();
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("inputs.smv");
+    std::fs::write(&path, &smv).unwrap();
+    let theirs = verdicts(nusmv, &path);
+    assert_eq!(theirs.len(), formulas.len(), "{smv}");
+    let properties: Vec<String> = formulas.iter().map(|it| it.asm.clone()).collect();
+    let ours = verified_as_a_whole(&model.asm, &properties);
+    ours.into_iter().zip(theirs).collect()
+}
+
+/// Verifies properties with both engines, which agree.
+fn verified_as_a_whole(model: &str, properties: &[String]) -> Vec<bool> {
+    let of_engine = |engine| {
+        let options = Options {
+            properties: properties.to_vec(),
+            only: properties.to_vec(),
+            engine,
+            ..Options::default()
+        };
+        let verification = crate::verified(model, &options);
+        let verdict = |property: &String| {
+            let mut found = verification.properties.iter();
+            let found = found.find(|it| it.text == *property).unwrap();
+            found.verdict.holds()
+        };
+        properties.iter().map(verdict).collect::<Vec<bool>>()
+    };
+    let explicit = of_engine(Engine::Explicit);
+    assert_eq!(
+        explicit,
+        of_engine(Engine::Symbolic),
+        "{properties:?}\n{model}"
+    );
+    explicit
+}
+
+/// A state has values of the inputs that a property mentions. This is the only difference to NuSMV: where its states have no others
+/// either, because they are declared with `IVAR`, the verdicts are the same.
+#[test]
+fn inputs_that_a_property_does_not_mention_are_ivar_of_nusmv() {
+    let Some(nusmv) = asmotion_skip::nusmv() else {
+        return;
+    };
+    let seed = std::env::var("ASMOTION_NUSMV_SEED").ok();
+    let seed = seed.and_then(|it| it.parse().ok());
+    let mut random = Random(seed.unwrap_or(0x0b5e_55ed_0000_0002));
+    let (mut held, mut violated, mut different) = (0, 0, 0);
+    for _ in 0..20 {
+        let model = random_model(&mut random);
+        let mut groups: [Vec<Both>; 4] = Default::default();
+        for at in 0..32 {
+            let known: Vec<&str> = MODEL_CONDITIONS
+                .iter()
+                .filter(|it| !INPUTS.contains(it) || at % 2 == 0)
+                .copied()
+                .collect();
+            let both = Both::random(&mut random, &known, 2 + at % 2, false);
+            let both = Both {
+                asm: format!("ag({})", both.asm),
+                smv: format!("AG ({})", both.smv),
+            };
+            let mentioned = INPUTS.map(|it| usize::from(both.asm.contains(it)));
+            groups[mentioned[0] + 2 * mentioned[1]].push(both);
+        }
+        for group in groups.iter().filter(|group| !group.is_empty()) {
+            let formulas: Vec<&Both> = group.iter().collect();
+            let verdicts = compared(&nusmv, &model, &formulas);
+            let mut whole = model.smv.clone();
+            for (formula, (ours, theirs)) in group.iter().zip(&verdicts) {
+                assert_eq!(
+                    ours, theirs,
+                    "{}\n{}\n{}",
+                    formula.asm, model.asm, model.smv
+                );
+                held += u32::from(*ours);
+                violated += u32::from(!ours);
+                writeln!(whole, "CTLSPEC {}", formula.smv).unwrap();
+            }
+            let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("whole.smv");
+            std::fs::write(&path, &whole).unwrap();
+            let of_whole = self::verdicts(&nusmv, &path).into_iter().zip(&verdicts);
+            different += of_whole.filter(|(whole, (ours, _))| whole != ours).count();
+        }
+    }
+    assert!(
+        held > 50 && violated > 50 && different > 0,
+        "{held} {violated} {different}"
+    );
+    println!(
+        "{held} hold, {violated} are violated, {different} differ if all inputs are part of the state"
+    );
+}

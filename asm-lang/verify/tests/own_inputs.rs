@@ -72,6 +72,36 @@ fn other_properties_do_not_change_a_verdict() {
     }
 }
 
+/// Each value of a mentioned input is considered, also where the value of the condition does not depend on it.
+#[test]
+fn a_state_is_considered_with_all_inputs_that_a_property_mentions() {
+    for options in engines() {
+        for (condition, expected) in [
+            ("(not late or left)", "holds"),
+            ("(if late then left else true endif)", "holds"),
+            ("(if late then true else true endif)", "violated"),
+            ("(exists $b in Boolean with $b = false or left)", "holds"),
+        ] {
+            let property = format!("ag({condition} implies (ax(p) or ax(not p)))");
+            let text = copying(&[&property]);
+            let found = verified(&text, &options);
+            assert_eq!(verdict_of(&found, "c0"), expected, "{property} {options:?}");
+            // the input has two values, and `p` follows from it
+            let text = text
+                .replace("left: Boolean", "side: Side")
+                .replace(
+                    "signature:",
+                    "signature:\n  enum domain Side = {LEFT | RIGHT}",
+                )
+                .replace("p := left", "p := side = LEFT")
+                .replace("or left)", "or side = LEFT)")
+                .replace("then left", "then side = LEFT");
+            let found = verified(&text, &options);
+            assert_eq!(verdict_of(&found, "c0"), expected, "{property} {options:?}");
+        }
+    }
+}
+
 /// A formula holds if it is true in all initial states, with each value of the inputs that it mentions.
 #[test]
 fn what_is_possible_has_to_be_possible_from_every_start() {
