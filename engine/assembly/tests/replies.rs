@@ -94,15 +94,16 @@ fn answer(run: &mut dyn Run) -> Option<String> {
     loop {
         run.run_for(20.ms());
         assert_eq!(run.fault("Asker"), None);
-        let state = status(run, "Asker").state;
-        if state["failed"] == "true" {
-            assert_eq!(state.get("answer").filter(|it| *it != "undef"), None);
-            return None;
+        let update = status(run, "Asker").last_update;
+        if let Some(update) = update {
+            let found = |location| update.updates.get(location).cloned();
+            match (found("answer"), found("failed")) {
+                (Some(answer), None) => return Some(answer.replace(", ", ",")),
+                (None, Some(_)) => return None,
+                (answer, failed) => assert_eq!((answer, failed), (None, None)),
+            }
         }
-        if let Some(answer) = state.get("answer").filter(|it| *it != "undef") {
-            return Some(answer.clone());
-        }
-        assert!(run.now() < limit, "{state:?}");
+        assert!(run.now() < limit, "no reply");
     }
 }
 
