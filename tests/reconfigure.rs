@@ -206,28 +206,6 @@ fn c18_a_component_is_removed_from_a_running_process_and_added_again() {
                   `TrajectoryPlanner.obstacles` over a broker differs in its policy";
     assert!(err.contains(reason), "{err}");
     assert!(err.contains("runs unchanged"), "{err}");
-    // in two steps
-    let connection = "[[connections]]\nfrom   = \"TrajectoryAdapter.obstacles\"\n".to_owned() + to + "\n";
-    becomes(&[REAR_LASER, &[(&*connection, "")]].concat());
-    let (code, out, err) = run(&["reconfigure", path]);
-    assert_eq!(code, Some(0), "{out}{err}");
-    let ended = "planning: `TrajectoryPlanner.obstacles` no longer receives";
-    assert!(out.contains(ended), "{out}");
-    for text in [&*buffered, to] {
-        becomes(&[REAR_LASER, &[(to, text)]].concat());
-        let (code, out, err) = run(&["reconfigure", path]);
-        if text == to {
-            assert_eq!(code, Some(1), "{out}{err}");
-        } else {
-            assert_eq!(code, Some(0), "{out}{err}");
-            assert!(out.contains("planning: `TrajectoryPlanner.obstacles` receives"), "{out}");
-        }
-    }
-    for version in [&[REAR_LASER, &[(&*connection, "")]].concat()[..], REAR_LASER] {
-        becomes(version);
-        let (code, out, err) = run(&["reconfigure", path]);
-        assert_eq!(code, Some(0), "{out}{err}");
-    }
 
     becomes(&[]);
     let removed = "onboard: `World.truth` is disconnected from `RearLaser.truth`\n\

@@ -37,7 +37,12 @@ pub(crate) fn pose(stamp: Value, frame: &str, x: f64) -> Value {
 }
 
 /// A transform: the child stands at (x, y) of its parent, turned to the left.
-pub(crate) fn transform(stamp: Value, (parent, child): (&str, &str), (x, y): (f64, f64), turns: i8) -> Value {
+pub(crate) fn transform(
+    stamp: Value,
+    (parent, child): (&str, &str),
+    (x, y): (f64, f64),
+    turns: i8,
+) -> Value {
     json!({
         "header": { "stamp": stamp, "frame_id": parent }, "child_frame_id": child,
         "transform": { "translation": point(x, y), "rotation": quarters(turns) },

@@ -65,6 +65,17 @@ map = [
 ]
 "#;
 
+/// Runs where the bridge is left out.
+const BENCH: &str = "asm bench
+import StandardLibrary
+signature:
+	controlled n: Integer
+definitions:
+	main rule r_Main = n := n + 1
+default init s0:
+	function n = 0
+";
+
 /// Writes the composite, its specification and its folder of messages.
 fn files(place: &Path) -> PathBuf {
     let messages = place.join("msgs/acme_msgs/msg");
@@ -178,7 +189,10 @@ fn a_run_with_messages_of_a_folder_and_transforms_is_replayed_without_ros() {
     let [specification, trace] = [&specification, &trace].map(|it| it.to_str().unwrap());
     let (code, text) = asmotion(&["sim", specification, "--replay-inputs", trace]);
     assert_eq!(code, Some(0), "{text}");
-    assert!(text.contains("\"worn\"") && text.contains("\"far\""), "{text}");
+    assert!(
+        text.contains("\"worn\"") && text.contains("\"far\""),
+        "{text}"
+    );
 }
 
 #[test]
@@ -187,7 +201,12 @@ fn a_specification_behind_a_bridge_is_replaced_while_transforms_and_messages_of_
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let url = format!("amqp://{}@{}/{}", broker.user(), broker.address(), vhost.name());
+    let url = format!(
+        "amqp://{}@{}/{}",
+        broker.user(),
+        broker.address(),
+        vhost.name()
+    );
     let place = tempfile::tempdir().unwrap();
     let composite = files(place.path());
     let mission = Mission::spawn(through(run(&composite, &master), &broker, &vhost, None));
@@ -209,8 +228,16 @@ fn a_specification_behind_a_bridge_is_replaced_while_transforms_and_messages_of_
 
     // the bridge is connected when the process starts
     for (from, to, reason) in [
-        ("frame = \"map\"", "frame = \"odom\"", "`RosBridge` differs in"),
-        ("[\"msgs\"]", "[\"msgs\", \"msgs/acme_msgs\"]", "`bridges` of the composite"),
+        (
+            "frame = \"map\"",
+            "frame = \"odom\"",
+            "`RosBridge` differs in",
+        ),
+        (
+            "[\"msgs\"]",
+            "[\"msgs\", \"msgs/acme_msgs\"]",
+            "`bridges` of the composite",
+        ),
     ] {
         write("gauge.composite.toml", COMPOSITE.replace(from, to));
         let (code, out, err) = reconfigure();
@@ -228,7 +255,9 @@ fn a_bridge_with_transforms_is_refused_in_virtual_time_and_can_be_left_out() {
     let uri = "http://127.0.0.1:1";
     let run = |more: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
-        command.args(["run", path, "--for", "1", "--clock", "virtual"]).args(more);
+        command
+            .args(["run", path, "--for", "1", "--clock", "virtual"])
+            .args(more);
         let output = command.env("ROS_MASTER_URI", uri).output().unwrap();
         let text = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
         (output.status.code(), text)
@@ -239,8 +268,14 @@ fn a_bridge_with_transforms_is_refused_in_virtual_time_and_can_be_left_out() {
     // the types of the folder are known without the bridge
     let bridge = "{ builtin = \"ros-bridge\", bridge = \"machine\" }";
     let profiles = COMPOSITE.replace(bridge, &format!("{bridge}\nprofile = \"robot\""));
-    std::fs::write(&composite, profiles).unwrap();
-    let (code, text) = run(&[]);
+    let bench = "[components.Bench]\nimplementation = { asm = \"bench.asm\" }\n\
+                 activity = { period_ms = 100 }\nprofile = \"bench\"\n";
+    std::fs::write(&composite, profiles + bench).unwrap();
+    std::fs::write(place.path().join("bench.asm"), BENCH).unwrap();
+    let (code, text) = run(&["--profile", "bench"]);
     assert!(matches!(code, Some(0 | 1)), "{text}");
-    assert!(!text.contains("wall clock") && !text.contains("error"), "{text}");
+    assert!(
+        !text.contains("wall clock") && !text.contains("error"),
+        "{text}"
+    );
 }

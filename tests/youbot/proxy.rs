@@ -330,9 +330,10 @@ fn nested() -> Bench {
     // without `notify`, the proxy learns of a driver that stops only from its state
     let notify = driver.find("notify = {").unwrap();
     driver.truncate(notify);
-    let begin = driver.find("[components.youBotDriver]").unwrap();
+    let begin = driver.find("[properties]").unwrap();
     let end = driver.find("# the proxy of the paper").unwrap();
-    let arm = "[components.youBotDriver]\nimplementation = { composite = \"inner.composite.toml\" }\n\n";
+    let arm =
+        "[components.youBotDriver]\nimplementation = { composite = \"inner.composite.toml\" }\n\n";
     driver.replace_range(begin..end, arm);
     let driver = driver
         .replace(r#"references = { notifying = "youbot/Notifying" }"#, "")
@@ -354,7 +355,10 @@ fn nested() -> Bench {
 }
 
 /// Runs until a read is answered; returns the error.
-fn next_reply(run: &mut dyn Run, is_wanted: impl Fn(&Result<(), String>) -> bool) -> Option<String> {
+fn next_reply(
+    run: &mut dyn Run,
+    is_wanted: impl Fn(&Result<(), String>) -> bool,
+) -> Option<String> {
     let limit = run.now() + Duration::from_secs(20);
     let mut last = None;
     run.run_until_event(limit, &mut |_, event| {
@@ -372,10 +376,7 @@ fn next_reply(run: &mut dyn Run, is_wanted: impl Fn(&Result<(), String>) -> bool
 #[test]
 fn a_proxy_of_a_nested_composite_refuses_calls_while_the_component_inside_is_stopped() {
     let arm = "Driver/youBotDriver/Arm";
-    let runs: [Box<dyn Run>; 2] = [
-        Box::new(nested().simulate().0),
-        Box::new(nested().live()),
-    ];
+    let runs: [Box<dyn Run>; 2] = [Box::new(nested().simulate().0), Box::new(nested().live())];
     for mut run in runs {
         let run = &mut *run;
         assert_eq!(next_reply(run, Result::is_ok), None);

@@ -7,7 +7,9 @@ pub enum FixedPart {
     #[error("{0} of the composite")]
     Table(&'static str),
     /// A new component that runs in the thread of another one.
-    #[error("`{component}` is new and runs in the thread of `{master}`; without `master` it can be added")]
+    #[error(
+        "`{component}` is new and runs in the thread of `{master}`; without `master` it can be added"
+    )]
     Slave {
         /// Name of the component.
         component: String,
@@ -45,10 +47,7 @@ pub enum FixedPart {
         to: String,
     },
     /// A connection over a bus, to a topic or to a port of another process, that differs.
-    #[error(
-        "the connection from `{from}` to `{to}` over a broker differs in its policy; without it the system can be reconfigured, and \
-         again with the new one"
-    )]
+    #[error("the connection from `{from}` to `{to}` over a broker differs in its policy")]
     Policy {
         /// Writing end.
         from: String,

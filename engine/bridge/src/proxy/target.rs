@@ -32,7 +32,9 @@ impl ProxyTarget {
     pub(super) fn absence(&self, is_stale: bool, cycle: &Cycle<'_>) -> TargetAbsence {
         let peers = self.names.iter().map(|name| (name, cycle.peer(name)));
         let peers: Vec<_> = peers.collect();
-        let mut refusals = peers.iter().filter_map(|(name, peer)| absent(name, (*peer)?));
+        let mut refusals = peers
+            .iter()
+            .filter_map(|(name, peer)| absent(name, (*peer)?));
         match refusals.next() {
             Some(fault) => TargetAbsence::Component(fault),
             None if is_stale => TargetAbsence::Silent {
