@@ -115,12 +115,6 @@ fn a_reply_with_a_part_outside_the_domain_of_the_caller_fails_the_call() {
         ("Prod(Small, Few)", 1, Some("(1,3)")),
         ("Prod(Small, Few)", 4, None),
         ("Prod(Few, Small)", 7, Some("(7,3)")),
-        ("Prod(Few, Small)", 4, None),
-        ("Seq(Few)", 5, Some("[5,3]")),
-        ("Seq(Few)", 4, None),
-        ("Powerset(Few)", 7, Some("{3,7}")),
-        ("Powerset(Few)", 4, None),
-        ("Seq(Integer)", 4, Some("[4,3]")),
     ] {
         let number = format!("{argument}, 5000");
         let asker = replaced(ASKER, &[("KIND", kind), ("4, 5000", &number)]);
