@@ -59,6 +59,7 @@ mod ros_folders;
 mod ros_frames;
 mod ros_kills;
 mod ros_parameters;
+mod ros_versions;
 mod routes;
 mod safe;
 mod scenario;

@@ -11,9 +11,9 @@ use serde_json::json;
 use crate::ros_bridge::Mission;
 use crate::ros2_bridge;
 
-const GAUGE: &str = "acme_msgs/Gauge";
+pub(crate) const GAUGE: &str = "acme_msgs/Gauge";
 
-fn folder() -> PathBuf {
+pub(crate) fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ros_folders")
 }
 
@@ -27,7 +27,7 @@ fn asmotion(arguments: &[&str]) -> (i32, String) {
 }
 
 /// A definition in the form of the header of a connection, from which rospy makes its own classes and sums.
-fn full_text() -> String {
+pub(crate) fn full_text() -> String {
     let read = |name: &str| {
         fs::read_to_string(folder().join(format!("msgs/acme_msgs/msg/{name}.msg"))).unwrap()
     };

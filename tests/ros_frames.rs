@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 
 use crate::ros_bridge::Mission;
 
-const POSE: &str = "geometry_msgs/PoseStamped";
+pub(crate) const POSE: &str = "geometry_msgs/PoseStamped";
 const PATH: &str = "nav_msgs/Path";
-const TRANSFORMS: &str = "tf2_msgs/TFMessage";
+pub(crate) const TRANSFORMS: &str = "tf2_msgs/TFMessage";
 
 fn point(x: f64, y: f64) -> Value {
     json!({ "x": x, "y": y, "z": 0.0 })
@@ -23,7 +23,7 @@ fn quarters(number: i8) -> Value {
 }
 
 /// A stamp in milliseconds, as ROS 1 names its parts.
-fn ros1_stamp(milliseconds: u64) -> Value {
+pub(crate) fn ros1_stamp(milliseconds: u64) -> Value {
     json!({ "secs": milliseconds / 1000, "nsecs": milliseconds % 1000 * 1_000_000 })
 }
 
@@ -31,20 +31,25 @@ fn ros2_stamp(milliseconds: u64) -> Value {
     json!({ "sec": milliseconds / 1000, "nanosec": milliseconds % 1000 * 1_000_000 })
 }
 
-fn pose(stamp: Value, frame: &str, x: f64) -> Value {
+pub(crate) fn pose(stamp: Value, frame: &str, x: f64) -> Value {
     let pose = json!({ "position": point(x, 0.0), "orientation": quarters(0) });
     json!({ "header": { "stamp": stamp, "frame_id": frame }, "pose": pose })
 }
 
 /// A transform: the child stands at (x, y) of its parent, turned to the left.
-fn transform(stamp: Value, (parent, child): (&str, &str), (x, y): (f64, f64), turns: i8) -> Value {
+pub(crate) fn transform(
+    stamp: Value,
+    (parent, child): (&str, &str),
+    (x, y): (f64, f64),
+    turns: i8,
+) -> Value {
     json!({
         "header": { "stamp": stamp, "frame_id": parent }, "child_frame_id": child,
         "transform": { "translation": point(x, y), "rotation": quarters(turns) },
     })
 }
 
-fn transforms(all: &[Value]) -> Value {
+pub(crate) fn transforms(all: &[Value]) -> Value {
     json!({ "transforms": all })
 }
 

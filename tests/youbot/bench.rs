@@ -18,7 +18,7 @@ use asmotion_messages::{
     SetJointsPositions, SetPeriod,
 };
 use asmotion_plan::Opened;
-use asmotion_runtime::{Event, Run, Simulation};
+use asmotion_runtime::{Event, Live, Run, Simulation, System};
 
 /// Makes the calls in its script: `"1.0 move 0.5 0.2"` (s, rad), `"2 period 0.05"`, `"3 read"`.
 struct Client {
@@ -373,6 +373,11 @@ fn open(files: &MemoryFiles) -> Opened {
 }
 
 fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>>) {
+    let (system, log) = start(opened, files);
+    (system.simulate(), log)
+}
+
+fn start(opened: &Opened, files: &MemoryFiles) -> (System, Arc<Mutex<Log>>) {
     let found = opened
         .report
         .diagnostics
@@ -387,7 +392,7 @@ fn simulate(opened: &Opened, files: &MemoryFiles) -> (Simulation, Arc<Mutex<Log>
     let log = Arc::new(Mutex::new(Log::default()));
     let listener = log.clone();
     system.observe(move |at: Time, event: &Event<'_>| listener.lock().unwrap().note(at, event));
-    (system.simulate(), log)
+    (system, log)
 }
 
 impl Bench {
@@ -429,6 +434,12 @@ impl Bench {
     pub(super) fn simulate(&self) -> (Simulation, Arc<Mutex<Log>>) {
         let files = self.files();
         simulate(&open(&files), &files)
+    }
+
+    /// Starts everything on the wall clock.
+    pub(super) fn live(&self) -> Live {
+        let files = self.files();
+        start(&open(&files), &files).0.live()
     }
 
     /// The log of a run of that many seconds.

@@ -4,7 +4,7 @@ use super::bench::{Bench, Log, TIMEOUT};
 use asmotion_component::{Time, Transition};
 use asmotion_datum::Datum;
 use asmotion_messages::JointCommand;
-use asmotion_runtime::Run;
+use asmotion_runtime::{Event, Run};
 use std::time::Duration;
 
 const POSTURE: &str = "1 move 0.5 0.2 -0.3 0.4 0.1";
@@ -304,6 +304,87 @@ fn a_proxy_refuses_commands_and_readings_of_a_driver_that_is_stopped() {
         let read = last[0].2.as_ref().unwrap();
         let position: Vec<f64> = read.get("position").unwrap().to().unwrap();
         assert_eq!(position, [0.0; 5], "no old command was carried out");
+    }
+}
+
+/// The shipped driver as a composite of its own, in which the arm has another name.
+const NESTED_ARM: &str = r#"
+schema = "composite/1"
+promote = [
+  { port = "Arm.commands", as = "commands" },
+  { port = "Arm.period", as = "period" },
+  { port = "Arm.jointStatus", as = "jointStatus" },
+]
+[composite]
+name = "arm"
+[components.Arm]
+implementation = { rust = "youbot::DummyDriver" }
+activity = { period_ms = 20 }
+ports.in = { commands = "youbot/JointCommand", period = "std_msgs/Float64" }
+ports.out = { jointStatus = "youbot/JointStatus" }
+"#;
+
+/// The bench with the arm nested in the driver's composite. The client reads every 0.1 s.
+fn nested() -> Bench {
+    let mut driver = Bench::default().driver;
+    // without `notify`, the proxy learns of a driver that stops only from its state
+    let notify = driver.find("notify = {").unwrap();
+    driver.truncate(notify);
+    let begin = driver.find("[properties]").unwrap();
+    let end = driver.find("# the proxy of the paper").unwrap();
+    let arm =
+        "[components.youBotDriver]\nimplementation = { composite = \"inner.composite.toml\" }\n\n";
+    driver.replace_range(begin..end, arm);
+    let driver = driver
+        .replace(r#"references = { notifying = "youbot/Notifying" }"#, "")
+        .replace(
+            r#"  { reference = "SCAyouBotDriver.notifying", as = "notifying" },"#,
+            "",
+        );
+    let notified =
+        r#"  { reference = "Driver.notifying", service = "Client.notifying", oneway = true },"#;
+    let reads = (2..600).map(|tenth| format!("{} read", f64::from(tenth) / 10.0));
+    let reads = reads.map(|line| &*Box::leak(line.into_boxed_str()));
+    Bench {
+        application: Bench::default().application.replace(notified, ""),
+        driver: driver.replace("protocol ", "# protocol "),
+        inner: Some(NESTED_ARM.to_owned()),
+        script: Box::leak(reads.collect()),
+        ..Bench::default()
+    }
+}
+
+/// Runs until a read is answered; returns the error.
+fn next_reply(
+    run: &mut dyn Run,
+    is_wanted: impl Fn(&Result<(), String>) -> bool,
+) -> Option<String> {
+    let limit = run.now() + Duration::from_secs(20);
+    let mut last = None;
+    run.run_until_event(limit, &mut |_, event| {
+        if let Event::Replied { result, .. } = event {
+            let result = result.as_ref().map(|_| ()).map_err(ToString::to_string);
+            let found = is_wanted(&result);
+            last = Some(result);
+            return found;
+        }
+        false
+    });
+    last.expect("a reply").err()
+}
+
+#[test]
+fn a_proxy_of_a_nested_composite_refuses_calls_while_the_component_inside_is_stopped() {
+    let arm = "Driver/youBotDriver/Arm";
+    let runs: [Box<dyn Run>; 2] = [Box::new(nested().simulate().0), Box::new(nested().live())];
+    for mut run in runs {
+        let run = &mut *run;
+        assert_eq!(next_reply(run, Result::is_ok), None);
+        run.transition(arm, Transition::Stop).unwrap();
+        let refused = next_reply(run, Result::is_err).unwrap();
+        assert_eq!(refused, format!("STOPPED: `{arm}` is stopped"));
+        run.transition(arm, Transition::Start).unwrap();
+        assert_eq!(next_reply(run, Result::is_ok), None);
     }
 }
 

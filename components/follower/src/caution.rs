@@ -293,6 +293,16 @@ mod tests {
     }
 
     #[test]
+    fn obstacles_count_as_far_from_the_path_as_they_limit_the_speed() {
+        let caution = Caution {
+            clearance_s: 2.0,
+            ..CAUTION
+        };
+        // a radius of 0.2 m, and 2 s at 2 m/s
+        assert_eq!(caution.reach(&FAST), 4.2);
+    }
+
+    #[test]
     fn the_robot_can_stop_before_what_the_path_touches() {
         let brakes = CAUTION.brakes();
         // it is beside the robot 0.8 m ahead, and touched 0.9 m ahead

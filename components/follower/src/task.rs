@@ -461,28 +461,34 @@ mod tests {
             .iter()
             .map(|it| message::point(&it.pose.position));
         let length = Polyline::new(points).length();
-        let mut task = FollowTask::default();
-        task.order(&path);
-        let mut here = MeasuredMotion {
-            pose: message::pose(&path.poses[0].pose),
-            speed: 0.0,
-            turn: 0.0,
-        };
-        let (mut driven, mut reached_after) = (0.0, Vec::new());
-        for _ in 0..2000 {
-            let (speed, turn, event) = step(&mut task, here);
-            (here.speed, here.turn) = (speed, turn);
-            here.pose = asmotion_geometry::roll(&here.pose, speed * 0.05, turn * 0.05);
-            driven += speed * 0.05;
-            reached_after.extend(event.map(|event| (event, driven)));
+        // also if it is ordered again and again: the robot goes on where it is
+        for is_repeated in [false, true] {
+            let mut task = FollowTask::default();
+            task.order(&path);
+            let mut here = MeasuredMotion {
+                pose: message::pose(&path.poses[0].pose),
+                speed: 0.0,
+                turn: 0.0,
+            };
+            let (mut driven, mut reached_after) = (0.0, Vec::new());
+            for _ in 0..2000 {
+                if is_repeated {
+                    task.order(&path);
+                }
+                let (speed, turn, event) = step(&mut task, here);
+                (here.speed, here.turn) = (speed, turn);
+                here.pose = asmotion_geometry::roll(&here.pose, speed * 0.05, turn * 0.05);
+                driven += speed * 0.05;
+                reached_after.extend(event.map(|event| (event, driven)));
+            }
+            let [(FollowerEvent::Reached, driven)] = reached_after[..] else {
+                panic!("{reached_after:?}");
+            };
+            assert!(
+                (driven / length - 1.0).abs() < 0.05,
+                "{driven} of {length} m"
+            );
         }
-        let [(FollowerEvent::Reached, driven)] = reached_after[..] else {
-            panic!("{reached_after:?}");
-        };
-        assert!(
-            (driven / length - 1.0).abs() < 0.05,
-            "{driven} of {length} m"
-        );
     }
 
     #[test]

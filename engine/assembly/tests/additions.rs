@@ -85,7 +85,10 @@ fn c18_a_slave_is_neither_added_nor_removed() {
     let (system, _) = start(&(files, first.clone()));
     let fixed = changes(&first, &next, &system.simulate()).expect_err("a new start is needed");
     let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
-    assert_eq!(fixed, ["`Late` is new and runs in the thread of `Counter`"]);
+    assert_eq!(
+        fixed,
+        ["`Late` is new and runs in the thread of `Counter`; without `master` it can be added"]
+    );
 }
 
 /// All messages of a topic of the bus.

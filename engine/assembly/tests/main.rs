@@ -7,6 +7,7 @@ mod reconfigure;
 #[path = "../../plan/tests/support/render.rs"]
 mod render;
 mod replacement;
+mod replies;
 mod start;
 mod tca;
 mod topics;

@@ -114,7 +114,7 @@ impl PortProxy {
                 .and_then(|notify| notify.idle.clone())
                 .map(MotionMonitor::new),
             events: notify.map(|notify| ProxyEvents::declare(notify, interface)),
-            target: ProxyTarget::new(&settings.target),
+            target: ProxyTarget::new(&settings.targets),
             received_at: None,
         }
     }

@@ -7,7 +7,9 @@ pub enum FixedPart {
     #[error("{0} of the composite")]
     Table(&'static str),
     /// A new component that runs in the thread of another one.
-    #[error("`{component}` is new and runs in the thread of `{master}`")]
+    #[error(
+        "`{component}` is new and runs in the thread of `{master}`; without `master` it can be added"
+    )]
     Slave {
         /// Name of the component.
         component: String,

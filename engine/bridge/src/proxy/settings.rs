@@ -11,8 +11,8 @@ use crate::conversion::Conversion;
 /// The settings of a proxy.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProxySettings {
-    /// Name of the target in the system.
-    pub target: String,
+    /// Names of the components that handle its messages: the target, or the connected components inside a nested composite.
+    pub targets: Vec<String>,
     /// Outputs of the target, which the proxy reads.
     pub inputs: Vec<ProxyPort>,
     /// Inputs of the target, which the proxy writes.

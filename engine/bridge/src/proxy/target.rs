@@ -6,8 +6,8 @@ use super::operation::refusal;
 
 /// The target of a proxy.
 pub(super) struct ProxyTarget {
-    /// Name in the system.
-    name: String,
+    /// Names in the system: one component, or those inside a nested composite.
+    names: Vec<String>,
 }
 
 /// Whether the target is there.
@@ -22,38 +22,26 @@ pub(super) enum TargetAbsence {
 }
 
 impl ProxyTarget {
-    pub(super) fn new(name: &str) -> Self {
+    pub(super) fn new(names: &[String]) -> Self {
         Self {
-            name: name.to_owned(),
+            names: names.to_vec(),
         }
     }
 
     /// Returns whether the target is there. `is_stale` if it is silent.
     pub(super) fn absence(&self, is_stale: bool, cycle: &Cycle<'_>) -> TargetAbsence {
-        let peer = cycle.peer(&self.name);
-        match peer.and_then(|peer| self.refusal(peer)) {
+        let peers = self.names.iter().map(|name| (name, cycle.peer(name)));
+        let peers: Vec<_> = peers.collect();
+        let mut refusals = peers
+            .iter()
+            .filter_map(|(name, peer)| absent(name, (*peer)?));
+        match refusals.next() {
             Some(fault) => TargetAbsence::Component(fault),
             None if is_stale => TargetAbsence::Silent {
                 fault: refusal("STALE", "the target is silent"),
-                is_known: peer.is_some(),
+                is_known: !peers.is_empty() && peers.iter().all(|(_, peer)| peer.is_some()),
             },
             None => TargetAbsence::None,
-        }
-    }
-
-    /// Why a target with this status handles no messages.
-    fn refusal(&self, peer: PeerStatus) -> Option<ServiceFault> {
-        let Self { name } = self;
-        let stopped = |how| Some(refusal("STOPPED", &format!("`{name}` {how}")));
-        match peer.state {
-            State::Init | State::PreOperational => stopped("is not configured"),
-            State::FatalError | State::Exception => stopped("has failed"),
-            State::Stopped => stopped("is stopped"),
-            State::Running | State::RunTimeError if peer.is_reachable => None,
-            State::Running | State::RunTimeError => Some(refusal(
-                "UNAVAILABLE",
-                &format!("what `{name}` stands for cannot be reached"),
-            )),
         }
     }
 }
@@ -85,5 +73,20 @@ impl TargetAbsence {
             Self::Component(fault) | Self::Silent { fault, .. } => Some(fault),
             Self::None => None,
         }
+    }
+}
+
+/// Why a component with this status handles no messages.
+fn absent(name: &str, peer: PeerStatus) -> Option<ServiceFault> {
+    let stopped = |how| Some(refusal("STOPPED", &format!("`{name}` {how}")));
+    match peer.state {
+        State::Init | State::PreOperational => stopped("is not configured"),
+        State::FatalError | State::Exception => stopped("has failed"),
+        State::Stopped => stopped("is stopped"),
+        State::Running | State::RunTimeError if peer.is_reachable => None,
+        State::Running | State::RunTimeError => Some(refusal(
+            "UNAVAILABLE",
+            &format!("what `{name}` stands for cannot be reached"),
+        )),
     }
 }

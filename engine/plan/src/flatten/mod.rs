@@ -7,6 +7,7 @@ mod late_reader;
 mod operations;
 mod order;
 mod place;
+mod proxy_target;
 mod topic;
 
 use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
@@ -250,6 +251,7 @@ impl<'p> Flattener<'p, '_> {
             place::place(composite, &nested, &mut to, &mut self.plan);
         }
         self.late_readers();
+        proxy_target::resolve(&mut self.plan);
         self.plan.start_order = order::start_order(&self.plan);
         self.plan.missing = self.notes.missing.clone();
         Some(self.plan)

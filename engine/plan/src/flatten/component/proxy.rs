@@ -18,7 +18,7 @@ pub(super) fn settings(source: &PartSource<'_>) -> Option<asmotion_bridge::Proxy
     let ports = |ports: &[EndpointPort]| ports.iter().map(|it| port(source, it)).collect();
     let target = made_of.proxy_target()?;
     Some(asmotion_bridge::ProxySettings {
-        target: format!("{}{}", source.prefix, target.value),
+        targets: vec![format!("{}{}", source.prefix, target.value)],
         inputs: ports(&source.face.inputs),
         outputs: ports(&source.face.outputs),
         operations: component

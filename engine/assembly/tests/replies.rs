@@ -1,0 +1,126 @@
+//! Replies of calls between specifications whose parts are outside the domains that the caller declares.
+
+use asmotion_assembly::{CoordinatorOptions, Standard};
+use asmotion_component::Span;
+use asmotion_composite::{AsmFiles, Context};
+use asmotion_lang::MemoryFiles;
+use asmotion_runtime::{Run, System};
+
+use super::replacement::{BUILD, replaced, status};
+
+/// Asks for a value of the domain `KIND`, with 4. Ends with an answer, or with a call that has failed.
+const ASKER: &str = "asm asker
+import StandardLibrary
+import CommonBehavior
+signature:
+	domain Services subsetof Agent
+	domain Small subsetof Integer
+	domain Few subsetof Integer
+	static numbers: Services
+	controlled answer: KIND
+	controlled failed: Boolean
+	out listed: Prod(Services, Integer) -> KIND
+definitions:
+	domain Small = {1 : 3}
+	domain Few = {3, 5, 7}
+	main rule r_Main =
+		par
+			if not isDef(answer) then r_wcall[numbers, \"listed\", 4, 5000, answer] endif
+			if callFault(self, \"listed\") = CALL_FAILED then failed := true endif
+		endpar
+default init s0:
+	function failed = false
+";
+
+/// Replies with the number and 3.
+const REPLIER: &str = "asm replier
+import StandardLibrary
+import CommonBehavior
+signature:
+	controlled asked: Integer
+	out listed: Prod(Agent, Integer) -> Seq(Integer)
+definitions:
+	main rule r_Main =
+		if nextRequest(self) = \"listed\" then
+			seq
+				r_wreceive[undef, \"listed\", asked]
+				r_wreply[undef, \"listed\", [asked, 3]]
+			endseq
+		endif
+default init s0:
+	function asked = 0
+";
+
+const COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "asked"
+[components.Asker]
+implementation = { asm = "asker.asm" }
+task = { period_ms = 10 }
+references = { numbers = "test/Lists" }
+[components.Replier]
+implementation = { asm = "replier.asm" }
+task = { period_ms = 10 }
+services = { listing = "test/Lists" }
+[[wires]]
+reference = "Asker.numbers"
+service = "Replier.listing"
+timeout_ms = 5000
+"#;
+
+fn system(asker: &str) -> System {
+    let mut files = MemoryFiles::new();
+    files.add("main.toml", COMPOSITE);
+    files.add("asker.asm", asker);
+    files.add("replier.asm", REPLIER);
+    let specifications = AsmFiles::new(&files);
+    let context = Context {
+        catalogue: &BUILD,
+        specifications: &specifications,
+        programs: &asmotion_composite::NoPrograms,
+        ..Context::files(&files)
+    };
+    let opened = asmotion_plan::open("main.toml", &context);
+    let found = crate::render::report(&opened.sources, &opened.report);
+    let plan = opened.plan(None).unwrap_or_else(|| panic!("{found}"));
+    let mut workshop = Standard::new(&BUILD, &files, CoordinatorOptions::seeded(1));
+    asmotion_assembly::start(plan, &mut workshop).expect("a system")
+}
+
+/// Runs until the call has ended. Returns the answer; `None` if the call has failed.
+fn answer(run: &mut dyn Run) -> Option<String> {
+    let limit = run.now() + 20.s();
+    loop {
+        run.run_for(20.ms());
+        assert_eq!(run.fault("Asker"), None);
+        let update = status(run, "Asker").last_update;
+        if let Some(update) = update {
+            let found = |location| update.updates.get(location).cloned();
+            match (found("answer"), found("failed")) {
+                (Some(answer), None) => return Some(answer.replace(", ", ",")),
+                (None, Some(_)) => return None,
+                (answer, failed) => assert_eq!((answer, failed), (None, None)),
+            }
+        }
+        assert!(run.now() < limit, "no reply");
+    }
+}
+
+#[test]
+fn a_reply_with_a_part_outside_the_domain_of_the_caller_fails_the_call() {
+    for (kind, argument, expected) in [
+        ("Seq(Small)", 2, Some("[2,3]")),
+        ("Seq(Small)", 4, None),
+        ("Prod(Small, Few)", 1, Some("(1,3)")),
+        ("Prod(Small, Few)", 4, None),
+        ("Prod(Few, Small)", 7, Some("(7,3)")),
+    ] {
+        let number = format!("{argument}, 5000");
+        let asker = replaced(ASKER, &[("KIND", kind), ("4, 5000", &number)]);
+        let found = answer(&mut system(&asker).simulate());
+        assert_eq!(found.as_deref(), expected, "{kind} in virtual time");
+        let found = answer(&mut system(&asker).live());
+        assert_eq!(found.as_deref(), expected, "{kind} on the wall clock");
+    }
+}
