@@ -128,8 +128,9 @@ fn r10_two_processes_that_relay_in_opposite_directions_do_not_storm() {
     let mut one = CycloneNode::start(&python, domain, "one");
     let mut other = CycloneNode::start(&python, domain, "other");
     for topic in ["/a", "/robot/b"] {
-        one.advertise(topic, TEXT, TopicPolicies::default(), 2);
         other.subscribe(topic, TEXT, TopicPolicies::default());
+        // the listener and a bridge, then the speaker and a bridge
+        one.advertise(topic, TEXT, TopicPolicies::default(), 2);
         other.await_publishers(topic, 2);
     }
     for topic in ["/a", "/robot/b"] {
