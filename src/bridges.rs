@@ -115,7 +115,7 @@ mod with_ros {
         let node = node.unwrap_or_else(|| node_name(component, plan));
         let transport = match bridge.kind {
             BridgeKind::Ros1 => ros1(node, bridge, relays(component)),
-            BridgeKind::Ros2 => ros2(node, bridge),
+            BridgeKind::Ros2 => ros2(node, bridge, relays(component)),
             BridgeKind::Rosbridge => return None,
         };
         let (mut mapped, mut operations) = (Vec::new(), Vec::new());
@@ -157,7 +157,11 @@ mod with_ros {
     }
 
     #[cfg(feature = "ros2")]
-    fn ros2(node: String, bridge: &Bridge) -> Result<Box<dyn RosTransport>, String> {
+    fn ros2(
+        node: String,
+        bridge: &Bridge,
+        relays: Vec<(String, String)>,
+    ) -> Result<Box<dyn RosTransport>, String> {
         use crate::ros_domain::{networks, own_domain};
         use asmotion_ros_gateway::{Ros2Settings, Ros2Transport};
 
@@ -170,13 +174,18 @@ mod with_ros {
             node,
             domain,
             networks: networks()?,
+            relays,
         };
         let definitions = ros_messages::of_bridge(bridge.kind, &bridge.definitions)?;
         Ok(Box::new(Ros2Transport::new(settings, definitions)))
     }
 
     #[cfg(not(feature = "ros2"))]
-    fn ros2(_: String, _: &Bridge) -> Result<Box<dyn RosTransport>, String> {
+    fn ros2(
+        _: String,
+        _: &Bridge,
+        _: Vec<(String, String)>,
+    ) -> Result<Box<dyn RosTransport>, String> {
         Err(crate::feature::LeftOut::new::<crate::feature::Ros2>().to_string())
     }
 

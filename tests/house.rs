@@ -81,7 +81,7 @@ const FLOORS: &[&[&str]] = &[
     // the front door
     &["asmotion"],
     // tests of all wings, and maintenance tasks
-    &["asmotion-robustness", "xtask"],
+    &["asmotion-robustness", "asmotion-wire-robustness", "xtask"],
 ];
 
 /// Stands for every crate of `components/` that is not listed, so that a new component needs no row.

@@ -88,6 +88,79 @@ fn r2_an_emergency_stop_serves_a_robot_of_ros_2() {
     assert!(line.contains("`/panel`") && line.contains(LIMIT), "{line}");
 }
 
+/// A composite that relays one topic of ROS to another one, in the domain.
+fn relay(folder: &Path, name: &str, from: &str, to: &str, domain: u16) -> Mission {
+    let text = format!(
+        r#"schema = "composite/1"
+
+[composite]
+name = "{name}"
+
+[bridges.ros]
+kind = "ros2"
+node = "/robot/{name}"
+
+[components.RosBridge]
+implementation = {{ builtin = "ros-bridge", bridge = "ros" }}
+activity  = {{ period_ms = 0 }}
+subscribe = {{ word = "std_msgs/String" }}
+publish   = {{ word = "std_msgs/String" }}
+map = [
+  {{ from = "word", ros = "{from}", type = "std_msgs/String", direction = "from_ros" }},
+  {{ from = "word", ros = "{to}", type = "std_msgs/String", direction = "to_ros" }},
+]
+"#
+    );
+    let path = folder.join(format!("{name}.composite.toml"));
+    std::fs::write(&path, text).unwrap();
+    let mission = Mission::spawn(run(&path, domain));
+    mission.line(&format!("joined the ROS 2 domain {domain}"));
+    mission
+}
+
+#[test]
+fn r10_two_processes_that_relay_in_opposite_directions_do_not_storm() {
+    let Some(python) = python() else { return };
+    let (place, domain) = (tempfile::tempdir().unwrap(), domain());
+    // a relative name is in the namespace of the node
+    let there = relay(place.path(), "there", "/a", "b", domain);
+    let back = relay(place.path(), "back", "b", "/a", domain);
+    let mut one = CycloneNode::start(&python, domain, "one");
+    let mut other = CycloneNode::start(&python, domain, "other");
+    for topic in ["/a", "/robot/b"] {
+        other.subscribe(topic, TEXT, TopicPolicies::default());
+        // the listener and a bridge, then the speaker and a bridge
+        one.advertise(topic, TEXT, TopicPolicies::default(), 2);
+        other.await_publishers(topic, 2);
+    }
+    for topic in ["/a", "/robot/b"] {
+        one.publish(topic, &word(topic));
+    }
+    // both say what they do not receive
+    for (mission, text) in [
+        (
+            &there,
+            " relays `/robot/b` to `/a`, and this node `/a` to `/robot/b`",
+        ),
+        (
+            &back,
+            " relays `/a` to `/robot/b`, and this node `/robot/b` to `/a`",
+        ),
+    ] {
+        let line = mission.line("messages would go round");
+        assert!(line.contains(text), "{line}");
+    }
+    for topic in ["/a", "/robot/b"] {
+        let mut heard = [other.message(topic), other.message(topic)];
+        heard.sort_by_key(Value::to_string);
+        assert_eq!(heard, [word("/a"), word("/robot/b")], "{topic}");
+    }
+    for topic in ["/a", "/robot/b"] {
+        let more = other.try_message(topic, Duration::from_millis(500));
+        assert_eq!(more, None, "{topic}");
+    }
+}
+
 /// The emergency stop with another bridge, in a folder of its own.
 fn estop_with(folder: &Path, bridge: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -2,12 +2,13 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use asmotion_ros_domain::{RclpyNode, domain, rclpy, test_definitions};
 use asmotion_ros_master::Master;
 use serde_json::json;
 
+use crate::processes::{Running, queues, through, tool};
 use crate::ros_bridge::Mission;
 use crate::ros2_bridge;
 
@@ -165,6 +166,40 @@ fn a_wrong_definition_is_reported_with_its_file_and_line() {
         for part in expected {
             assert!(text.contains(part), "{part}: {text}");
         }
+    }
+}
+
+/// A run takes no new definitions, so a version with another one is refused, with the name of the type.
+#[test]
+fn a_definition_that_changes_while_the_system_runs_needs_a_start() {
+    let (Some(master), Some(broker)) = (Master::start(), asmotion_broker::calm()) else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let copy = copy("", |text| text);
+    let path = copy.path().join("gauge.composite.toml");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.arg("run").arg(&path);
+    command.args(["--json", "--for", "120", "--clock", "wall"]);
+    command.env("ROS_MASTER_URI", master.uri());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let _run = Running::start(&mut through(command, &broker, &vhost, None));
+    queues(&vhost, "robots.services.gauge.control");
+    let reconfigure = || {
+        let (code, out, err) = tool(&broker, &url, &["reconfigure", path.to_str().unwrap()]);
+        (code, out + &err)
+    };
+    let (code, err) = reconfigure();
+    assert_eq!(code, Some(0), "{err}");
+    let reading = copy.path().join("msgs/acme_msgs/msg/Reading.msg");
+    let text = fs::read_to_string(&reading).unwrap();
+    fs::write(&reading, text + "float64 temperature\n").unwrap();
+    let (code, err) = reconfigure();
+    assert_eq!(code, Some(1), "{err}");
+    for part in ["NEEDS_START", "the definition of `acme_msgs/Gauge`"] {
+        assert!(err.contains(part), "{part}: {err}");
     }
 }
 

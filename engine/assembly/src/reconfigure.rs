@@ -38,6 +38,7 @@ pub fn changes(
     let mut difference = Difference::new((running, wanted), run);
     let (running, wanted) = (&running.plan, &wanted.plan);
     difference.fixed = tables(running, wanted);
+    difference.fixed.extend(definitions(running, wanted));
     difference.components(running, wanted);
     difference.connections(&running.connections, &wanted.connections);
     difference.senders(running, wanted);
@@ -69,6 +70,23 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
     ];
     let differs = same.into_iter().filter(|(_, same)| !same);
     differs.map(|(table, _)| FixedPart::Table(table)).collect()
+}
+
+/// Returns the message types and service interfaces that both plans know by different definitions: those of folders, which can change
+/// while the system runs.
+fn definitions(running: &Plan, wanted: &Plan) -> Vec<FixedPart> {
+    let types = running.types.iter();
+    let types = types.filter(|(name, schema)| {
+        let other = wanted.types.get(*name);
+        other.is_some_and(|other| other != *schema)
+    });
+    let interfaces = running.interfaces.iter();
+    let interfaces = interfaces.filter(|(name, operations)| {
+        let other = wanted.interfaces.get(*name);
+        other.is_some_and(|other| other != *operations)
+    });
+    let names = types.map(|it| it.0).chain(interfaces.map(|it| it.0));
+    names.cloned().map(FixedPart::Definition).collect()
 }
 
 /// The processes of a plan with those of their components that are kept.

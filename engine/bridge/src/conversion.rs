@@ -106,6 +106,15 @@ impl Conversion {
         }
     }
 
+    /// Converts data as [`apply`](Self::apply) does, without a copy of those that stay as they are.
+    pub fn convert(&self, data: Datum) -> Datum {
+        match self {
+            Self::Same => data,
+            Self::Then(first, next) => next.convert(first.convert(data)),
+            Self::Fields(_) | Self::Into(..) | Self::OutOf(..) | Self::Each(_) => self.apply(&data),
+        }
+    }
+
     /// Converts data. Missing parts become null, which no type accepts, and fields that the source's type does not have are
     /// not looked at: check the data first.
     pub fn apply(&self, data: &Datum) -> Datum {

@@ -6,13 +6,11 @@
 mod composite;
 mod message;
 mod place;
-mod ros;
 mod ros_bridge;
 mod xml;
 
 pub use composite::{composite, property_file};
-pub use message::{cbor, cdr, json, queue, ros_definition, ros_message};
+pub use message::{cbor, cdr, json, queue};
 pub use place::{osm, osm_pbf};
-pub use ros::{ros_header, xml_rpc};
 pub use ros_bridge::ros_bridge;
 pub use xml::{cpf, scdl};

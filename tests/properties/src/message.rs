@@ -1,9 +1,8 @@
 //! Encodings of messages.
 
 use asmotion_components::MESSAGES;
-use asmotion_datum::{Codec, Schema, ros1};
+use asmotion_datum::{Codec, Schema};
 use asmotion_mqueue::QueueLayout;
-use asmotion_ros_interface::{Catalogue, Distribution, InterfaceKind, InterfaceName};
 
 /// Data decoded from CBOR can be encoded, and are unchanged when decoded again.
 pub fn cbor(bytes: &[u8]) {
@@ -25,50 +24,6 @@ pub fn cdr(bytes: &[u8]) {
     for (_, schema) in MESSAGES {
         if Codec::Cdr.carries(schema()).is_ok() {
             round_trip(Codec::Cdr, schema(), bytes);
-        }
-    }
-}
-
-/// The same property for the encoding of ROS 1, for every included message of it.
-pub fn ros_message(bytes: &[u8]) {
-    let catalogue = Catalogue::included(Distribution::Ros1);
-    for (name, _) in catalogue.interfaces() {
-        let Ok(schema) = catalogue.schema(name) else {
-            continue;
-        };
-        let Ok(datum) = ros1::decode(bytes, &schema) else {
-            continue;
-        };
-        let encoded = ros1::encode(&datum, &schema);
-        let encoded = encoded.unwrap_or_else(|error| panic!("{error}: {datum:?}"));
-        assert_eq!(encoded.len(), bytes.len(), "{datum:?}");
-        let again = ros1::decode(&encoded, &schema);
-        let again = again.unwrap_or_else(|error| panic!("{error}: {datum:?}"));
-        assert_eq!(format!("{again:?}"), format!("{datum:?}"));
-    }
-}
-
-/// A definition of an interface of ROS, printed and read again, is the same definition.
-pub fn ros_definition(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else {
-        return;
-    };
-    for distribution in [Distribution::Ros1, Distribution::Ros2] {
-        for kind in InterfaceKind::ALL {
-            let mut catalogue = Catalogue::empty(distribution);
-            let Ok(name) = InterfaceName::new("package", kind, "Name") else {
-                continue;
-            };
-            if catalogue.define(name.clone(), text).is_err() {
-                continue;
-            }
-            let Ok(interface) = catalogue.interface(&name).cloned() else {
-                continue;
-            };
-            let printed = interface.to_string();
-            let again = catalogue.define(name.clone(), &printed);
-            again.unwrap_or_else(|error| panic!("{error}: {printed:?}"));
-            assert_eq!(catalogue.interface(&name), Ok(&interface), "{printed:?}");
         }
     }
 }

@@ -12,11 +12,11 @@ use asmotion_messages::{
 };
 use asmotion_mqueue::QueueLayout;
 use asmotion_robustness::{
-    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_bridge,
-    ros_definition, ros_header, ros_message, scdl, xml_rpc,
+    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, ros_bridge, scdl,
 };
 use asmotion_ros1::header::ConnectionHeader;
 use asmotion_ros1::xmlrpc::{XmlRpcValue, write_call, write_response};
+use asmotion_wire_robustness::{ros_definition, ros_header, ros_message, ros2_message, xml_rpc};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path;
@@ -247,6 +247,11 @@ fn messages_of_ros_1_are_read() {
     let seeds: Vec<_> = samples().into_iter().filter_map(encode).collect();
     assert!(seeds.len() > 1);
     holds(ros_message, &seeds, false, 200);
+}
+
+#[test]
+fn messages_of_ros_2_are_read() {
+    holds(ros2_message, &encoded(Codec::Cdr), false, 200);
 }
 
 #[test]

@@ -6,6 +6,9 @@ pub enum FixedPart {
     /// A table of the composite.
     #[error("{0} of the composite")]
     Table(&'static str),
+    /// A message type or service interface whose definition in a folder of a bridge has changed.
+    #[error("the definition of `{0}`")]
+    Definition(String),
     /// A new component that runs in the thread of another one.
     #[error(
         "`{component}` is new and runs in the thread of `{master}`; without `master` it can be added"

@@ -78,6 +78,7 @@ fn main() {
                     node: format!("/{node}"),
                     domain,
                     networks: vec![Ipv4Addr::LOCALHOST.into()],
+                    relays: Vec::new(),
                 };
                 Box::new(Ros2Transport::new(settings, jazzy()))
             });

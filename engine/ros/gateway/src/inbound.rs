@@ -106,7 +106,7 @@ impl Inbound {
         misfits: &mut Misfits,
         cycle: &mut Cycle<'_>,
     ) {
-        match self.sample(&message.content) {
+        match self.sample(message.content) {
             Ok(sample) => {
                 if let Some(echoes) = echoes {
                     echoes.written(&sample);
@@ -119,8 +119,8 @@ impl Inbound {
     }
 
     /// The sample for a message of ROS.
-    fn sample(&self, message: &Datum) -> Result<Datum, String> {
-        let converted = self.conversion.apply(message);
+    fn sample(&self, message: Datum) -> Result<Datum, String> {
+        let converted = self.conversion.convert(message);
         let mut converters = self.mapped.converters.iter();
         let sample = converters.try_fold(converted, |sample, it| it.to_here(sample))?;
         let complete = self.mapped.schema.complete(sample);

@@ -37,6 +37,8 @@ mod ros2_memory;
 mod ros2_operations;
 #[cfg(feature = "ros2")]
 mod ros2_parameter;
+#[cfg(feature = "ros2")]
+mod ros2_relays;
 mod shown;
 mod traffic;
 mod transport;

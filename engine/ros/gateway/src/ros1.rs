@@ -7,7 +7,9 @@ use asmotion_bus::{Notifier, Overflow, QueuePolicy, Subscription};
 use asmotion_component::Losses;
 use asmotion_datum::{Datum, Schema};
 use asmotion_ros_interface::Catalogue;
-use asmotion_ros1::{ActionType, RosNotice, RosSettings, RosUri, ServiceType, TopicType};
+use asmotion_ros1::{
+    ActionType, RosNotice, RosSettings, RosUri, ServiceType, TopicType, UnreadableMessages,
+};
 
 use crate::desk::ComponentWatch;
 use crate::mapped::MappedTopic;
@@ -104,7 +106,7 @@ impl RosTransport for Ros1Transport {
 }
 
 struct Ros1Connection {
-    // shared with the subscriptions, which ask for its counts
+    // shared with the operations, which call through it
     node: Arc<asmotion_ros1::RosNode>,
     name: Arc<str>,
     catalogue: Arc<Catalogue>,
@@ -131,10 +133,11 @@ impl RosConnection for Ros1Connection {
         let wake = Arc::clone(&self.wake);
         let notifier = Arc::new(Notifier::calling(move || wake()));
         let subscription = self.node.subscribe(&topic.ros, Some(of), queue, notifier);
+        let subscription = subscription.map_err(|it| it.to_string())?;
+        let unreadable = self.node.unreadable_messages(&topic.ros);
         Ok(Box::new(Ros1Receiver {
-            subscription: subscription.map_err(|it| it.to_string())?,
-            node: Arc::clone(&self.node),
-            topic: topic.ros.clone(),
+            subscription,
+            unreadable: unreadable.map_err(|it| it.to_string())?,
             own: Arc::clone(&self.name),
         }))
     }
@@ -222,7 +225,7 @@ impl MessageSender for Ros1Sender {
 
     fn losses(&self) -> Losses {
         Losses {
-            dropped: self.0.counts().dropped,
+            dropped: self.0.dropped(),
             misfits: 0,
         }
     }
@@ -230,8 +233,7 @@ impl MessageSender for Ros1Sender {
 
 struct Ros1Receiver {
     subscription: Subscription,
-    node: Arc<asmotion_ros1::RosNode>,
-    topic: String,
+    unreadable: Option<UnreadableMessages>,
     /// Name of the bridge's node, whose own messages do not come back.
     own: Arc<str>,
 }
@@ -252,10 +254,10 @@ impl MessageReceiver for Ros1Receiver {
     }
 
     fn losses(&self) -> Losses {
-        let counts = self.node.subscription_counts(&self.topic);
+        let unreadable = self.unreadable.as_ref();
         Losses {
             dropped: self.subscription.dropped(),
-            misfits: counts.ok().flatten().map_or(0, |counts| counts.unreadable),
+            misfits: unreadable.map_or(0, UnreadableMessages::count),
         }
     }
 }

@@ -22,6 +22,7 @@ use crate::ros2_memory::{Memories, TopicMemory};
 use crate::ros2_operations::{
     Ros2GoalCaller, Ros2GoalServer, Ros2ServiceCaller, Ros2ServiceServer,
 };
+use crate::ros2_relays::{AnnouncedRelays, Circles};
 use crate::shown::{ComponentDisplay, ShownComponent};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
 use crate::wake::Wake;
@@ -35,6 +36,8 @@ pub struct Ros2Settings {
     pub domain: u16,
     /// Addresses of the network interfaces that are used; all if empty.
     pub networks: Vec<IpAddr>,
+    /// Topics whose messages the bridge brings to a topic of the composite that it sends to other topics, with those topics.
+    pub relays: Vec<(String, String)>,
 }
 
 /// Reaches the nodes of a domain of DDS.
@@ -76,6 +79,7 @@ impl RosTransport for Ros2Transport {
             node,
             domain,
             networks,
+            relays,
         } = &self.settings;
         let (namespace, name) = node.rsplit_once('/').unwrap_or(("", node));
         let options = NodeOptions {
@@ -87,12 +91,14 @@ impl RosTransport for Ros2Transport {
         let node = Node::start(options, Arc::clone(&self.catalogue));
         let node = node.map_err(|error| error.to_string())?;
         node.wake_for_notices(Arc::clone(&wake));
-        let notices = Notices::default();
+        let notices = Arc::new(Notices::default());
         let name = node.full_name();
         notices.keep(format!("joined the ROS 2 domain {domain} as `{name}`"));
         // for the cycle that reports it
         wake();
         Ok(Box::new(Ros2Connection {
+            // before the publishers of the topics
+            relays: AnnouncedRelays::announce(&node, relays)?,
             node,
             catalogue: Arc::clone(&self.catalogue),
             wake,
@@ -104,10 +110,11 @@ impl RosTransport for Ros2Transport {
 }
 
 struct Ros2Connection {
+    relays: AnnouncedRelays,
     node: Node,
     catalogue: Arc<Catalogue>,
     wake: Wake,
-    notices: Notices,
+    notices: Arc<Notices>,
     /// Set when the threads of DDS have ended.
     is_broken: bool,
     memories: Memories,
@@ -150,6 +157,9 @@ impl RosConnection for Ros2Connection {
         let subscription = subscription.map_err(|error| error.to_string())?;
         Ok(Box::new(Ros2Receiver {
             subscription,
+            circles: self.relays.circles(&self.node, &topic.ros)?,
+            notices: Arc::clone(&self.notices),
+            wake: Arc::clone(&self.wake),
             topic: topic.ros.clone(),
             is_latched: topic.is_latched,
             memory: self.memories.take(&topic.ros),
@@ -316,6 +326,9 @@ impl MessageSender for Ros2Sender {
 
 struct Ros2Receiver {
     subscription: Subscription,
+    circles: Circles,
+    notices: Arc<Notices>,
+    wake: Wake,
     topic: String,
     is_latched: bool,
     memory: TopicMemory,
@@ -340,6 +353,13 @@ impl MessageReceiver for Ros2Receiver {
                 arrived,
                 ..
             } = received;
+            let (goes_round, reason) = self.circles.check(&self.subscription, writer);
+            if reason.is_some_and(|it| self.notices.keep(it)) {
+                (self.wake)();
+            }
+            if goes_round {
+                continue;
+            }
             // late subscriptions get the last messages of a latched topic by its nature
             if !self.memory.is_new(writer, sequence) && !self.is_latched {
                 continue;

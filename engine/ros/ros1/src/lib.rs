@@ -57,4 +57,4 @@ pub use node::{RosNode, RosPublisher};
 pub use notice::{RosNotice, StatedType, TypeMismatch};
 pub use publication::{RosPublisherCounts, SubscriberCounts};
 pub use settings::{RosLimits, RosSettings, RosTiming};
-pub use subscription::RosSubscriptionCounts;
+pub use subscription::{RosSubscriptionCounts, UnreadableMessages};

@@ -27,7 +27,7 @@ use crate::registrar::Registrar;
 use crate::server::{serve_api, serve_data};
 use crate::settings::RosSettings;
 use crate::slave::Slave;
-use crate::subscription::{RosSubscriptionCounts, TopicSubscription};
+use crate::subscription::{RosSubscriptionCounts, TopicSubscription, UnreadableMessages};
 use crate::tables::{Tables, entry};
 use crate::xmlrpc::XmlRpcValue;
 
@@ -260,6 +260,15 @@ impl RosNode {
     ) -> Result<Option<RosSubscriptionCounts>, RosError> {
         let found = self.topic_subscription(topic)?;
         Ok(found.map(|it| it.counts()))
+    }
+
+    /// What counts the messages of a subscribed topic that cannot be decoded; `None` if it is not subscribed.
+    ///
+    /// # Errors
+    /// [`RosError::Name`].
+    pub fn unreadable_messages(&self, topic: &str) -> Result<Option<UnreadableMessages>, RosError> {
+        let found = self.topic_subscription(topic)?;
+        Ok(found.map(UnreadableMessages))
     }
 
     /// The subscription of a topic; `None` if it is not subscribed.
@@ -537,6 +546,11 @@ impl RosPublisher {
     /// The counts of its messages.
     pub fn counts(&self) -> RosPublisherCounts {
         self.publication.counts()
+    }
+
+    /// Messages dropped so far: the field of [`counts`](Self::counts), without a list of the subscribers.
+    pub fn dropped(&self) -> u64 {
+        self.publication.dropped()
     }
 }
 

@@ -227,6 +227,14 @@ impl Publication {
         lock(&self.peers).all.iter().all(|peer| peer.is_idle())
     }
 
+    /// Messages dropped so far.
+    pub(crate) fn dropped(&self) -> u64 {
+        let peers = lock(&self.peers);
+        let present = peers.all.iter();
+        let present = present.map(|it| it.dropped.load(Ordering::Relaxed));
+        peers.dropped + present.sum::<u64>()
+    }
+
     pub(crate) fn counts(&self) -> RosPublisherCounts {
         let peers = lock(&self.peers);
         let subscribers: Vec<SubscriberCounts> = peers

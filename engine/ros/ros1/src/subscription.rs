@@ -50,6 +50,22 @@ pub struct RosSubscriptionCounts {
     pub publishers: usize,
 }
 
+/// The number of messages of a topic that could not be decoded, or were too large: quick to read, also after every message.
+pub struct UnreadableMessages(pub(crate) Arc<TopicSubscription>);
+
+impl UnreadableMessages {
+    /// The number so far.
+    pub fn count(&self) -> u64 {
+        self.0.unreadable.load(Ordering::Relaxed)
+    }
+}
+
+impl std::fmt::Debug for UnreadableMessages {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} of `{}`", self.count(), self.0.topic)
+    }
+}
+
 /// A topic that the node subscribes to.
 pub(crate) struct TopicSubscription {
     pub(crate) topic: RosName,

@@ -78,6 +78,16 @@ impl Graph {
         all.find(has).map(RemoteNode::full_name)
     }
 
+    /// Returns whether a participant has a writer of this topic of DDS.
+    pub(crate) fn is_written_by(&self, topic: &str, participant: [u8; 12]) -> bool {
+        let (mut first, mut last) = ([0; 16], [0xff; 16]);
+        for id in [&mut first, &mut last] {
+            id[..12].copy_from_slice(&participant);
+        }
+        let mut endpoints = self.endpoints.range(Gid(first)..=Gid(last));
+        endpoints.any(|(_, it)| it.kind == EndpointKind::Writer && it.topic == topic)
+    }
+
     /// The topics of DDS on which a participant matches endpoints of this node.
     fn topics_with(&self, participant: [u8; 12]) -> Vec<String> {
         let matches = self.matches.iter();

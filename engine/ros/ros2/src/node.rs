@@ -62,6 +62,14 @@ impl Node {
         &self.inner
     }
 
+    /// The absolute name of a topic. A relative one is in the namespace of the node, `~/x` in that of its name.
+    ///
+    /// # Errors
+    /// The name is not valid.
+    pub fn absolute(&self, topic: &str) -> Result<String, EndpointError> {
+        Ok(self.inner.absolute(topic)?)
+    }
+
     /// Creates a publisher. A relative `topic` is in the namespace of the node, `~/x` in that of its name.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ use asmotion_datum::{Codec, Datum, Schema};
 use crate::deadline::DeadlineWatch;
 use crate::gid::Gid;
 use crate::graph::Graph;
+use crate::names;
 use crate::notice::Waker;
 use crate::participant::Inner;
 use crate::qos::Qos;
@@ -144,6 +145,18 @@ impl Subscription {
                 .clone(),
             late: self.shared.deadline.get().map_or(0, |it| it.missed()),
         }
+    }
+
+    /// Returns whether a participant has a publisher of this absolute topic of ROS.
+    pub fn is_written_by(&self, topic: &str, participant: [u8; 12]) -> bool {
+        let topic = names::topic(topic);
+        let graph = self.inner.graph.lock();
+        graph.is_written_by(&topic, participant)
+    }
+
+    /// The name of the node, with its namespace, that has an endpoint; `None` if no peer has published it yet.
+    pub fn node_of(&self, endpoint: Gid) -> Option<String> {
+        self.inner.graph.lock().node_of(endpoint)
     }
 
     /// The id of the reader.

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use asmotion_datum::Datum;
 use asmotion_ros2::{
-    Durability, EndpointError, Node, NodeOptions, Notice, Qos, Reliability, SubscriptionOptions,
+    Durability, EndpointError, EndpointKind, Node, NodeOptions, Notice, Qos, Reliability,
+    SubscriptionOptions,
 };
 
 use crate::peer::{
@@ -182,6 +183,51 @@ fn a_late_subscription_gets_the_last_messages_of_cyclone() {
         .collect();
     assert_eq!(got, [text("3"), text("4")]);
     assert!(volatile.wait_for_matches(1, LONG));
+}
+
+#[test]
+fn a_volatile_publisher_gives_late_peers_nothing_of_before() {
+    let Some(python) = python() else { return };
+    let domain = domain();
+    let string = named("std_msgs/msg/String");
+    let schema = catalogue().schema(&string).unwrap();
+    let node = node("sensor", domain);
+    let publisher = node.publisher("/word", &string, Qos::default()).unwrap();
+    publisher.send(&text("before")).unwrap();
+    let settings = topic_settings(domain, "/word", &string);
+    let late = Peer::start(&python, "subscribe", &settings);
+    late.expect("ready");
+    assert!(publisher.wait_for_matches(1, LONG));
+    // the peer may match later
+    let (until, mut lines) = (Instant::now() + LONG, Vec::new());
+    while lines.is_empty() {
+        assert!(Instant::now() < until, "nothing arrives");
+        publisher.send(&text("after")).unwrap();
+        lines = late.lines_for(Duration::from_millis(200));
+    }
+    let after = hex(&encode(&text("after"), &schema));
+    assert!(lines.iter().all(|line| *line == after), "{lines:?}");
+    // one that requests earlier messages does not match, and both sides are named
+    let mut settings = topic_settings(domain, "/word", &string);
+    settings["transient"] = true.into();
+    let transient = Peer::start(&python, "subscribe", &settings);
+    transient.expect("ready");
+    let until = Instant::now() + LONG;
+    loop {
+        let mut notices = node.take_notices().into_iter();
+        let of_qos = notices.find(|it| matches!(it, Notice::Qos { .. }));
+        if let Some(Notice::Qos {
+            here, there, kind, ..
+        }) = of_qos
+        {
+            assert_eq!(kind, EndpointKind::Reader);
+            assert_ne!(here, there);
+            break;
+        }
+        assert!(Instant::now() < until, "no notice");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(publisher.matches(), 1);
 }
 
 #[test]
