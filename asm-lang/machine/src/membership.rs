@@ -1,10 +1,25 @@
 //! Membership of values in domains, in the current state of a step.
 
 use crate::fault::FaultKind;
+use crate::machine::Machine;
 use crate::misfit::{DomainMisfit, is_listed};
 use crate::run::{RuleStopped, StepContext};
-use asmotion_ir::{DomainId, FunctionId, Origin, Slot};
+use asmotion_ir::{DomainElements, DomainId, FunctionId, Origin, Slot, ValueShape};
 use asmotion_value::Value;
+
+impl Machine {
+    /// Returns whether a value and its parts are elements of the domains of a shape in the current state. `undef` is one of every
+    /// domain, and a domain without a definition contains every value. Where the specification is run as the reference runs it,
+    /// nothing is tested.
+    pub fn contains(&self, shape: &ValueShape, value: &Value) -> bool {
+        let (program, extents) = (self.program(), &self.state().store.extents);
+        let is_element = |domain: DomainId, value: &Value| {
+            program.domains[domain.0 as usize].elements == DomainElements::Undefined
+                || is_listed(program, extents, domain, value)
+        };
+        program.compatible || shape.outsider(value, &is_element).is_none()
+    }
+}
 
 impl StepContext<'_> {
     /// Returns the part of a value that is outside its function's codomain, if any.

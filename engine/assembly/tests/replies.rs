@@ -69,11 +69,11 @@ service = "Replier.listing"
 timeout_ms = 5000
 "#;
 
-fn system(asker: &str) -> System {
+fn system(asker: &str, replier: &str) -> System {
     let mut files = MemoryFiles::new();
     files.add("main.toml", COMPOSITE);
     files.add("asker.asm", asker);
-    files.add("replier.asm", REPLIER);
+    files.add("replier.asm", replier);
     let specifications = AsmFiles::new(&files);
     let context = Context {
         catalogue: &BUILD,
@@ -115,12 +115,33 @@ fn a_reply_with_a_part_outside_the_domain_of_the_caller_fails_the_call() {
         ("Prod(Small, Few)", 1, Some("(1,3)")),
         ("Prod(Small, Few)", 4, None),
         ("Prod(Few, Small)", 7, Some("(7,3)")),
+        ("Prod(Few, Small)", 4, None),
     ] {
         let number = format!("{argument}, 5000");
         let asker = replaced(ASKER, &[("KIND", kind), ("4, 5000", &number)]);
-        let found = answer(&mut system(&asker).simulate());
+        let found = answer(&mut system(&asker, REPLIER).simulate());
         assert_eq!(found.as_deref(), expected, "{kind} in virtual time");
-        let found = answer(&mut system(&asker).live());
+        let found = answer(&mut system(&asker, REPLIER).live());
         assert_eq!(found.as_deref(), expected, "{kind} on the wall clock");
+    }
+}
+
+#[test]
+fn a_request_outside_the_enumerated_domain_of_the_provider_is_refused() {
+    let signature = "signature:\n\tdomain Few subsetof Integer";
+    let replier = replaced(
+        REPLIER,
+        &[
+            ("signature:", signature),
+            ("definitions:", "definitions:\n\tdomain Few = {3, 5, 7}"),
+            ("Prod(Agent, Integer)", "Prod(Agent, Few)"),
+        ],
+    );
+    for (argument, expected) in [("5, 5000", Some("[5,3]")), ("4, 5000", None)] {
+        let kind = ("KIND", "Seq(Integer)");
+        let asker = replaced(ASKER, &[kind, ("4, 5000", argument)]);
+        let mut run = system(&asker, &replier).simulate();
+        assert_eq!(answer(&mut run).as_deref(), expected);
+        assert_eq!(run.fault("Replier"), None);
     }
 }

@@ -228,7 +228,7 @@ impl MessagePartners {
         for (index, served) in self.own_operations.iter().enumerate() {
             for request in cycle.requests(served.handle) {
                 let program = machine.program().clone();
-                let Some(data) = served.argument(&request.argument, &program) else {
+                let Some(data) = served.argument(&request.argument, machine) else {
                     misfits += 1;
                     let cause = served.misfit(&request.argument, &program);
                     if let Some(cause) = self.causes.new_cause(|| cause.clone()) {
@@ -312,8 +312,10 @@ impl MessagePartners {
         let operation = &self.partner_operations[call.operation_index];
         let outcome = match &result {
             Ok(answer) => {
-                let program = machine.program().clone();
-                content(answer, &operation.response, &program).ok_or(CallFault::Failed)
+                let (shape, machine) = (&operation.response, &*machine);
+                let data = content(answer, shape, machine.program());
+                let data = data.filter(|it| machine.contains(shape, it));
+                data.ok_or(CallFault::Failed)
             }
             Err(CallError::Timeout) => Err(CallFault::Timeout),
             Err(CallError::Unavailable | CallError::Stopped) => Err(CallFault::Unavailable),
@@ -479,8 +481,10 @@ fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value,
 }
 
 impl OwnOperation {
-    fn argument(&self, datum: &Datum, program: &Program) -> Option<Value> {
-        request_content(&self.operation, datum, &self.argument, program)
+    fn argument(&self, datum: &Datum, machine: &Machine) -> Option<Value> {
+        let shape = &self.argument;
+        let data = request_content(&self.operation, datum, shape, machine.program());
+        data.filter(|it| machine.contains(shape, it))
     }
 
     fn misfit(&self, found: &Datum, program: &Program) -> String {
