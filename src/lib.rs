@@ -21,6 +21,7 @@ mod gateway;
 #[cfg(any(feature = "amqp", feature = "tui"))]
 mod inspection;
 pub mod mission;
+mod numbers;
 mod output_files;
 mod output_queue;
 mod own_program;

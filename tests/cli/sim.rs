@@ -217,7 +217,7 @@ fn a_folder_of_specifications_is_simulated_file_by_file() {
     ");
     assert!(
         err.contains(
-            "4 specifications, 4 steps: 1 ran, 1 stopped by a fault, 1 rejected, 1 modules"
+            "4 specifications, 4 steps: 1 ran, 1 stopped by a fault, 1 rejected, 1 module"
         ),
         "{err}"
     );

@@ -8,6 +8,7 @@ use super::outcome::{
     CoordinatorOutcome, Explained, ReachedState, RecordingOutcome, ReplayVerdict,
 };
 use super::words::{self, seconds, step};
+use crate::numbers::counted;
 use crate::show;
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 
@@ -217,16 +218,12 @@ fn print_summary(outcomes: &[RecordingOutcome], wall: Duration, terminal: &mut T
         ReplayVerdict::Equal => GOOD,
         ReplayVerdict::Skipped | ReplayVerdict::Different | ReplayVerdict::Unusable => BAD,
     };
-    let plural = |count: usize, word: &str| match count {
-        1 => format!("1 {word}"),
-        count => format!("{count} {word}s"),
-    };
     terminal.result(format_args!(
-        "{style}{}{style:#}: {}, {}, {} steps compared, {} of the run",
+        "{style}{}{style:#}: {}, {}, {} compared, {} of the run",
         verdict.word(),
-        plural(outcomes.len(), "recording"),
-        plural(totals.coordinators, "coordinator"),
-        totals.steps,
+        counted(outcomes.len() as u64, "recording"),
+        counted(totals.coordinators as u64, "coordinator"),
+        counted(totals.steps, "step"),
         seconds(totals.time_ns),
     ));
     let run = totals.time_ns as f64 / 1e9;

@@ -2,6 +2,7 @@
 
 use super::{Sim, SimStartError, comment};
 use crate::exit::Exit;
+use crate::numbers::counted;
 use crate::paths::NamedFile;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 use asmotion_lang::simulate::{SimulationError, Trace};
@@ -236,8 +237,13 @@ impl fmt::Display for SimSummary {
         let files = self.ran + self.modules + self.rejected + self.faults + self.unusable;
         write!(
             to,
-            "{files} specifications, {} steps: {} ran, {} stopped by a fault, {} rejected, {} modules",
-            self.steps, self.ran, self.faults, self.rejected, self.modules
+            "{}, {}: {} ran, {} stopped by a fault, {} rejected, {}",
+            counted(files as u64, "specification"),
+            counted(self.steps, "step"),
+            self.ran,
+            self.faults,
+            self.rejected,
+            counted(self.modules as u64, "module"),
         )?;
         match self.unusable {
             0 => Ok(()),

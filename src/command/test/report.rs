@@ -2,6 +2,7 @@
 
 use super::result::{TestEnd, TestResult};
 use crate::exit::Exit;
+use crate::numbers::counted;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 use asmotion_lang::Severity;
 use asmotion_lang::simulate::scenario::Verdict;
@@ -18,8 +19,8 @@ pub fn print_result(result: &TestResult, as_json: bool, terminal: &mut TerminalO
         TestEnd::Ran(Verdict::Fail | Verdict::Invariant | Verdict::Fault) => BAD,
         TestEnd::Unusable => NOTE,
     };
-    let steps = plural(result.steps, "step");
-    let checks = plural(result.checks, "check");
+    let steps = counted(result.steps, "step");
+    let checks = counted(result.checks, "check");
     terminal.result(format_args!(
         "{colour}{:>9}{colour:#} {} {FAINT}({steps}, {checks}){FAINT:#}",
         result.end.word(),
@@ -65,7 +66,7 @@ pub fn print_summary(results: &[TestResult], duration: Duration, terminal: &mut 
             parts.push(format!("{} {word}", count(exit)));
         }
     }
-    let what = plural(results.len() as u64, "scenario");
+    let what = counted(results.len() as u64, "scenario");
     terminal.status(
         "Tested",
         format_args!(
@@ -74,10 +75,4 @@ pub fn print_summary(results: &[TestResult], duration: Duration, terminal: &mut 
             parts.join(", ")
         ),
     );
-}
-
-/// "1 step", "3 steps".
-fn plural(count: u64, word: &str) -> String {
-    let ending = if count == 1 { "" } else { "s" };
-    format!("{count} {word}{ending}")
 }

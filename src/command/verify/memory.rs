@@ -1,6 +1,6 @@
 //! The limit for the memory of a verification.
 
-use super::words::number;
+use crate::numbers::number;
 
 /// Limit where the memory of the machine is not known, in MiB.
 const UNKNOWN_MACHINE: u64 = 4096;

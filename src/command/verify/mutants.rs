@@ -1,6 +1,7 @@
 //! `--mutants`: which changes of a specification no property notices.
 
-use super::words::{heading, number, place_text};
+use super::words::{heading, place_text};
+use crate::numbers::number;
 use super::{Verify, interrupt};
 use crate::exit::Exit;
 use crate::files::DiskLoader;

@@ -1,6 +1,6 @@
 //! Progress of an exploration.
 
-use super::words::{counted, number};
+use crate::numbers::{counted, number};
 use crate::terminal::TerminalOutput;
 use asmotion_verify::Progress;
 use std::time::{Duration, Instant};

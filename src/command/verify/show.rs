@@ -3,8 +3,9 @@
 use super::memory::MemoryLimit;
 use super::run::show_run;
 use super::words::{
-    counted, duration, heading, incomplete, machine_name, number, place_in, qualified_verdict,
+    duration, heading, incomplete, machine_name, place_in, qualified_verdict,
 };
+use crate::numbers::{counted, number};
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_verify::{
     CheckedProperty, Note, PropertyKind, RepresentedInput, Verdict, Verification,
