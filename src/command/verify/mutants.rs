@@ -1,10 +1,10 @@
 //! `--mutants`: which changes of a specification no property notices.
 
 use super::words::{heading, place_text};
-use crate::numbers::number;
 use super::{Verify, interrupt};
 use crate::exit::Exit;
 use crate::files::DiskLoader;
+use crate::numbers::number;
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_lang::{Loader, ReadOptions, Report};
 use asmotion_verify::{Mutant, SystemSpecification, Verdict, mutants, verify_system};

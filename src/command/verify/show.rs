@@ -2,9 +2,7 @@
 
 use super::memory::MemoryLimit;
 use super::run::show_run;
-use super::words::{
-    duration, heading, incomplete, machine_name, place_in, qualified_verdict,
-};
+use super::words::{duration, heading, incomplete, machine_name, place_in, qualified_verdict};
 use crate::numbers::{counted, number};
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
 use asmotion_verify::{
