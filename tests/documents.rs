@@ -36,6 +36,7 @@ const BUILDERS: &[&str] = &[
     "rustup",
     "./test",
     "./fuzz/run.sh",
+    "./fuzz/wire/run.sh",
     "./fuzz/sanitize.sh",
 ];
 

@@ -354,17 +354,18 @@ fn logs(tab: &mut Tab) {
     ));
     // the server sends no others, and has looked through all that it keeps
     tab.wait("asmotion.store.found.isKnown && asmotion.store.found.entries.length > 3 && asmotion.store.found.entries.every((it) => /command.*rover|rover.*command/i.test(`${it.kind} ${it.component} ${it.text}`))");
-    let before = tab.eval("asmotion.store.log.length");
+    let newest = "asmotion.store.log.at(-1).t";
+    let before = tab.eval(newest);
     filter(tab, "!command !step");
     tab.wait(&format!(
         "{rows}.length > 3 && !{rows}.some((it) => it.includes('command') || it.includes('step'))"
     ));
     tab.screenshot("logs_filtered");
-    assert_eq!(tab.eval("asmotion.store.log.length"), before);
+    assert_eq!(tab.eval(newest), before);
     filter(tab, "");
     // what was not sent meanwhile follows
     tab.wait(&format!(
-        "asmotion.store.found === null && asmotion.store.log.length > {before}"
+        "asmotion.store.found === null && {newest} > {before}"
     ));
     tab.screenshot("logs");
 }

@@ -200,9 +200,8 @@ impl SystemDescription {
 
     /// The texts of the specification that a component executes at a time.
     pub(crate) fn texts_at(&self, component: &str, at: Time) -> SpecificationTexts {
-        let versions = self.specifications.iter();
-        let versions = versions.filter(|it| it.component == component);
-        let version = versions.filter(|it| it.from <= at.seconds()).next_back();
+        let mut versions = self.specifications.iter();
+        let version = versions.rfind(|it| it.component == component && it.from <= at.seconds());
         let files = version.into_iter().flat_map(|it| &it.files);
         files
             .map(|it| (it.path.clone(), Arc::clone(&it.text)))
