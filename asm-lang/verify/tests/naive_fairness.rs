@@ -36,9 +36,11 @@ fn locations(machine: &Machine) -> Vec<i64> {
     let state = machine.state();
     let named: BTreeMap<String, i64> = state
         .slots()
-        .filter_map(|slot| match state.get(slot) {
-            Value::Int(number) => Some((location(machine, slot), *number)),
-            _ => None,
+        .filter_map(|slot| {
+            let Value::Int(number) = state.get(slot) else {
+                return None;
+            };
+            Some((location(machine, slot), *number))
         })
         .collect();
     let names = [

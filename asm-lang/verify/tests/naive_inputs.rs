@@ -234,7 +234,7 @@ fn formulas_with_inputs_have_the_values_of_a_naive_exploration() {
                 "  main rule",
                 &format!("{}  main rule", line.clone().unwrap_or_default()),
             );
-        let limit = [usize::MAX, 0, 1, 1][round % 4 ^ round / 4 % 4];
+        let limit = [usize::MAX, 0, 1, 1][(round % 4) ^ (round / 4 % 4)];
         let formulas: Vec<Formula> = (0..6)
             .map(|at| Formula::temporal(&mut random, ATOMS, at % 3))
             .collect();

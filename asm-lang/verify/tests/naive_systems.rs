@@ -342,9 +342,9 @@ fn explored(texts: &[String; 2], movement: Movement) -> Explored {
 /// Each machine moves again and again, and each message arrives.
 fn fairness(states: usize, movement: Movement) -> Vec<Fair> {
     let mut fair = Vec::new();
-    for mover in 0..2 {
+    for (mover, arrival) in PROMPT.iter().enumerate() {
         let prompt = if movement.messages.is_delayed {
-            PROMPT[mover]
+            *arrival
         } else {
             0
         };
