@@ -25,11 +25,12 @@ use std::process::Command;
 use std::time::Duration;
 
 use asmotion_assembly::{CoordinatorOptions, Standard};
+use asmotion_component::Time;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms};
 use asmotion_coordinator::StepRecord;
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, NoInputs, Specification};
-use asmotion_runtime::Run;
+use asmotion_runtime::{Event, Run, Simulation};
 
 /// A row of the table.
 struct Row {
@@ -111,6 +112,23 @@ const ROWS: &[Row] = &[
         limit: 0.05,
         work: cycled,
         // of each component in ten periods
+        units: |size| 10 * size,
+    },
+    Row {
+        name: "coordinators",
+        unit: "cycle of a coordinator without observers in virtual time",
+        sizes: [10, 100, 1_000, 10_000],
+        limit: 0.05,
+        work: coordinated,
+        // of each coordinator in a second
+        units: |size| 10 * size,
+    },
+    Row {
+        name: "observed",
+        unit: "cycle of a coordinator with an observer in virtual time",
+        sizes: [10, 100, 1_000, 10_000],
+        limit: 0.05,
+        work: observed,
         units: |size| 10 * size,
     },
     Row {
@@ -198,29 +216,44 @@ fn cycled(size: u64, times: u64) {
 }
 
 fn begun(size: u64, times: u64) {
+    (0..times).for_each(|_| drop(roving(size)));
+}
+
+fn coordinated(size: u64, times: u64) {
+    let mut run = roving(size);
+    (0..times).for_each(|_| run.run_for(Duration::from_millis(1000)));
+}
+
+fn observed(size: u64, times: u64) {
+    let mut run = roving(size);
+    run.observe(|_: Time, _: &Event<'_>| {});
+    (0..times).for_each(|_| run.run_for(Duration::from_millis(1000)));
+}
+
+/// Starts so many coordinators, and runs each of them for ten cycles.
+fn roving(size: u64) -> Simulation {
     let mut files = MemoryFiles::new();
     files.add(
         "main.toml",
         rovers::composite(usize::try_from(size).unwrap()),
     );
     files.add("rover.asm", rovers::SPECIFICATION);
-    for _ in 0..times {
-        let specifications = AsmFiles::new(&files);
-        let context = Context {
-            loader: &files,
-            environment: &EmptyEnvironment,
-            catalogue: &rovers::BUILD,
-            specifications: &specifications,
-            programs: &NoPrograms,
-            settings: &[],
-        };
-        let opened = asmotion_plan::open("main.toml", &context);
-        let options = CoordinatorOptions::seeded(1);
-        let mut workshop = Standard::new(&rovers::BUILD, &files, options);
-        let system = asmotion_assembly::start(opened.plan(None).unwrap(), &mut workshop);
-        let mut run = system.unwrap().simulate();
-        run.run_for(Duration::from_millis(1000));
-    }
+    let specifications = AsmFiles::new(&files);
+    let context = Context {
+        loader: &files,
+        environment: &EmptyEnvironment,
+        catalogue: &rovers::BUILD,
+        specifications: &specifications,
+        programs: &NoPrograms,
+        settings: &[],
+    };
+    let opened = asmotion_plan::open("main.toml", &context);
+    let options = CoordinatorOptions::seeded(1);
+    let mut workshop = Standard::new(&rovers::BUILD, &files, options);
+    let system = asmotion_assembly::start(opened.plan(None).unwrap(), &mut workshop);
+    let mut run = system.unwrap().simulate();
+    run.run_for(Duration::from_millis(1000));
+    run
 }
 
 /// Returns the number of instructions of a process that does the work so many times.

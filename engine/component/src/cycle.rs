@@ -264,6 +264,12 @@ impl<'a> Cycle<'a> {
         })
     }
 
+    /// Returns whether anybody receives the reports of this cycle. A component whose reports are costly makes them only then; it
+    /// decides nothing else by this.
+    pub fn is_observed(&self) -> bool {
+        self.host.is_observed()
+    }
+
     /// Reports data to the observers, also if the cycle fails later. Components do not receive reports.
     pub fn report(&mut self, kind: &'static str, data: Datum) {
         self.host.record(CycleAction::Report(kind, data));

@@ -82,6 +82,9 @@ pub trait CycleHost: PropertyHost {
 
     /// Returns whether the component is to stop and its activity allows the interruption of a cycle.
     fn is_interrupted(&self) -> bool;
+
+    /// Returns whether anybody receives the component's reports.
+    fn is_observed(&self) -> bool;
 }
 
 /// A request that waits for its provider's cycle.

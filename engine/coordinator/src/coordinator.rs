@@ -7,6 +7,7 @@ use crate::cycle_recorder::{CycleRecorder, RecordedMachine};
 use crate::effects::{EffectHandles, EffectOutbox, OutputResolver, WrittenPort};
 use crate::frame::InputFrame;
 use crate::inputs::MessageInputs;
+use crate::last_write::LastWrite;
 use crate::partners::MessagePartners;
 use crate::prepared::PreparedSpecification;
 use crate::recorded::{CycleCauses, MachineOrigin, RECORDED_CYCLE_REPORT, RecordedCycle};
@@ -40,8 +41,8 @@ pub struct Coordinator {
     pub(crate) frame: InputFrame,
     /// The losses as last reported.
     pub(crate) reported: Losses,
-    /// The last step that wrote something, and its time, for observers; not part of the frozen state.
-    pub(crate) last_record: Option<(Time, StepRecord)>,
+    /// The last step that wrote something, for observers; not part of the frozen state.
+    pub(crate) last_write: LastWrite,
     /// Collects what a recording needs; `None` unless the run is recorded. Not part of the frozen state.
     pub(crate) recorder: Option<CycleRecorder>,
     /// Watches the properties of the specification.
@@ -132,7 +133,7 @@ impl Coordinator {
             health,
             frame,
             reported: Losses::default(),
-            last_record: None,
+            last_write: LastWrite::default(),
             recorder: None,
             watcher: prepared.watcher.clone(),
             prepared,
@@ -170,6 +171,7 @@ impl Component for Coordinator {
     /// begins again in its initial state: it was cleaned up, or reset after an exception.
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
         if self.machine.steps() > 0 {
+            self.last_write = self.last_write.for_successor(&self.machine);
             self.machine = self.prepared.machine(&self.partners);
             self.inbox.stop_timers();
             self.outbox.published.clear();
@@ -222,17 +224,8 @@ impl Component for Coordinator {
             self.record_cycle(steps, causes, &made, Some(&fault.0), cycle)?;
             return Err(fault.1);
         }
-        let step = self.machine.last_step();
-        let is_safe = made.replaced.is_some();
-        if is_safe || !step.updates().is_empty() || !step.sent().is_empty() {
-            let record = StepRecord {
-                safe_rule: made.replaced.as_ref().map(|it| it.rule.clone()),
-                ..StepRecord::of(&self.prepared.specification, &self.machine, &step)
-            };
-            // the step is reported before its effects
-            cycle.report(STEP_REPORT, Datum::of(&record)?);
-            self.last_record = Some((cycle.now(), record));
-        }
+        // the step is reported before its effects
+        self.report_step(&made, cycle)?;
         self.record_cycle(steps, causes, &made, None, cycle)?;
         let mut after = AfterStep {
             machine: &mut self.machine,
@@ -295,6 +288,23 @@ impl Coordinator {
             watch: &self.watcher.watch,
         };
         Some(recorder.causes(machine, &self.frame))
+    }
+
+    /// Keeps the step that was just made if it wrote or sent something, and reports it to the observers, if there are any.
+    fn report_step(&mut self, made: &WatchedStep, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let step = self.machine.last_step();
+        if made.replaced.is_none() && step.updates().is_empty() && step.sent().is_empty() {
+            return Ok(());
+        }
+        self.last_write.note(&step, cycle.now());
+        if cycle.is_observed() {
+            let record = StepRecord {
+                safe_rule: made.replaced.as_ref().map(|it| it.rule.clone()),
+                ..StepRecord::of(&self.prepared.specification, &self.machine, &step)
+            };
+            cycle.report(STEP_REPORT, Datum::of(&record)?);
+        }
+        Ok(())
     }
 
     /// Reports the step that was made from these causes. It is reported in a cycle that fails as well: a recording repeats that

@@ -319,6 +319,7 @@ impl Coordinator {
         if !self.watcher.monitors.restore(&frozen.monitors) {
             return Err(foreign_state("it watches other properties"));
         }
+        self.last_write = self.last_write.for_successor(&self.machine);
         for (input, thawed) in self.inbox.inputs.iter_mut().zip(inputs) {
             thawed.assign(input);
         }

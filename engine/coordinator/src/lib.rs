@@ -17,6 +17,7 @@ mod fingerprint;
 mod frame;
 mod freeze;
 mod inputs;
+mod last_write;
 mod location;
 mod misfit;
 mod partners;

@@ -2,8 +2,6 @@
 
 use crate::coordinator::Coordinator;
 use crate::inputs::{BoundInput, InputLocation};
-use crate::step::StepRecord;
-use asmotion_component::Time;
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::ir::{DomainElements, Function, FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_lang::simulate;
@@ -103,19 +101,6 @@ impl CoordinatorStatus {
     }
 }
 
-impl LastUpdate {
-    fn of((at, record): &(Time, StepRecord)) -> Self {
-        let updates = record.updates.iter();
-        Self {
-            step: record.number,
-            at_s: at.seconds(),
-            updates: updates
-                .map(|update| (update.location.clone(), update.after.clone()))
-                .collect(),
-        }
-    }
-}
-
 impl Coordinator {
     /// The state between two steps.
     pub(crate) fn status(&self) -> CoordinatorStatus {
@@ -124,7 +109,7 @@ impl Coordinator {
         CoordinatorStatus {
             step: self.machine.steps(),
             state: self.control_states(),
-            last_update: self.last_record.as_ref().map(LastUpdate::of),
+            last_update: self.last_write.text(&self.machine),
             read: self.last_inputs(),
             calls: calls.collect(),
             silent: self.silent_locations(),

@@ -54,7 +54,7 @@ impl Coordinator {
         self.chooser = predecessor.chooser.clone();
         self.reported = predecessor.reported;
         self.recorder = recorder;
-        self.last_record.clone_from(&predecessor.last_record);
+        self.last_write = predecessor.last_write.for_successor(&predecessor.machine);
         let unwatched = self.watcher.continue_from(&predecessor.watcher);
         if self.machine.steps() > 0 {
             self.update_timers(now)?;

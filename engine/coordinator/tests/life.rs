@@ -457,6 +457,30 @@ fn its_state_is_described_to_observers() {
     assert!(run.inspect("Nobody").is_err());
 }
 
+#[test]
+fn its_last_update_is_the_same_with_and_without_observers() {
+    let (mut observed, _) = simulate(Activity::event());
+    let mut alone = system(Activity::event(), None, None).simulate();
+    for run in [&mut observed, &mut alone] {
+        run.run_for(1.ms());
+        let now = run.now();
+        for event in ["DONE", "GO"] {
+            tell(run, now, event);
+        }
+        run.run_for(5.ms());
+    }
+    let [with, without] = [&mut observed, &mut alone].map(status);
+    assert_eq!(with, without);
+    let last = without.last_update.unwrap();
+    assert_eq!(last.updates["seen"], "[DONE, GO]");
+    // a new machine has made no step yet
+    for to in [Transition::Stop, Transition::Cleanup, Transition::Configure] {
+        alone.transition("Worker", to).unwrap();
+    }
+    let status = status(&mut alone);
+    assert_eq!((status.step, status.last_update), (0, Some(last)));
+}
+
 const CHARGER: &str = "
 asm charger
 import StandardLibrary

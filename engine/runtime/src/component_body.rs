@@ -464,6 +464,8 @@ impl PropertyHost for ComponentBody {
 pub(crate) struct CycleBody<'a> {
     pub body: &'a mut ComponentBody,
     pub status: &'a ComponentStatus,
+    /// Whether any observer receives the reports of the cycle.
+    pub is_observed: bool,
 }
 
 impl PropertyHost for CycleBody<'_> {
@@ -642,6 +644,10 @@ impl CycleHost for CycleBody<'_> {
 
     fn is_interrupted(&self) -> bool {
         self.status.is_interrupted()
+    }
+
+    fn is_observed(&self) -> bool {
+        self.is_observed
     }
 }
 

@@ -148,14 +148,19 @@ impl ComponentUnit {
             component: &self.name,
             number,
         });
-        match self.compute(now, number) {
+        match self.compute(now, number, effects.is_observed()) {
             Ok(error) => self.commit(error, now, effects),
             Err(fault) => self.fail(fault, now, effects),
         }
     }
 
     /// Runs the component's own code. `Ok` contains an error that the component has reported, if any.
-    fn compute(&mut self, now: Time, number: u64) -> Result<Option<Fault>, Fault> {
+    fn compute(
+        &mut self,
+        now: Time,
+        number: u64,
+        is_observed: bool,
+    ) -> Result<Option<Fault>, Fault> {
         let Self {
             component,
             body,
@@ -164,7 +169,11 @@ impl ComponentUnit {
             ..
         } = self;
         guarded(|| {
-            let mut host = CycleBody { body, status };
+            let mut host = CycleBody {
+                body,
+                status,
+                is_observed,
+            };
             let mut cycle = Cycle::new(&mut host, now, number);
             if *state == State::RunTimeError {
                 component.recover(&mut cycle)?;
@@ -205,8 +214,13 @@ impl ComponentUnit {
             ..
         } = self;
         let number = status.cycles.load(Ordering::Relaxed);
+        let is_observed = effects.is_observed();
         let served = guarded(|| {
-            let mut host = CycleBody { body, status };
+            let mut host = CycleBody {
+                body,
+                status,
+                is_observed,
+            };
             let mut cycle = Cycle::stopped(&mut host, now, number);
             component.serve(&mut cycle)?;
             cycle.finish()
@@ -293,8 +307,13 @@ impl ComponentUnit {
             ..
         } = self;
         let number = status.cycles.load(Ordering::Relaxed);
+        let is_observed = effects.is_observed();
         let stopped = guarded(|| {
-            let mut host = CycleBody { body, status };
+            let mut host = CycleBody {
+                body,
+                status,
+                is_observed,
+            };
             let mut cycle = Cycle::new(&mut host, now, number);
             component.stop(&mut cycle);
             cycle.finish()

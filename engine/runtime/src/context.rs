@@ -87,6 +87,10 @@ impl Effects for LiveContext {
         self.events.push(at, event);
     }
 
+    fn is_observed(&self) -> bool {
+        self.events.is_observed()
+    }
+
     fn trigger(&mut self, component: usize) {
         LiveContext::trigger(self, component);
     }

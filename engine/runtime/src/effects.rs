@@ -11,6 +11,9 @@ pub trait Effects {
     /// Reports an event to the observers.
     fn emit(&mut self, at: Time, event: &Event<'_>);
 
+    /// Returns whether any observer receives events.
+    fn is_observed(&self) -> bool;
+
     /// Signals new data for the component at this position; an event-driven one cycles.
     fn trigger(&mut self, component: usize);
 
@@ -30,6 +33,10 @@ pub(crate) struct NoEffects;
 
 impl Effects for NoEffects {
     fn emit(&mut self, _: Time, _: &Event<'_>) {}
+
+    fn is_observed(&self) -> bool {
+        false
+    }
 
     fn trigger(&mut self, _: usize) {}
 

@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, Mutex};
 
-use crate::common::{Number, behaviour, burst, counter, number};
+use crate::common::{Number, behaviour, burst, counter, number, run_until};
 use asmotion_component::{
     Activity, Component, Cycle, Fault, Flow, Interface, OnDeadline, OnException, Out, Policy, Span,
     State, Time,
 };
 use asmotion_datum::{Datum, Schema};
-use asmotion_runtime::{Log, Run, System};
+use asmotion_runtime::{Event, Log, Run, System};
 
 /// The values that a reader's cycles see.
 type Seen<T> = Arc<Mutex<Vec<T>>>;
@@ -223,6 +223,52 @@ fn t14_sequence_numbers_have_no_gaps() {
     system.simulate().run_for(100.ms());
     numbers.append(&mut seen.lock().unwrap());
     assert_eq!(numbers, (1..=33).collect::<Vec<_>>());
+}
+
+/// A component that notes each time whether its reports are received.
+fn reporting() -> (System, Seen<bool>) {
+    let seen: Seen<bool> = Seen::default();
+    let noted = Arc::clone(&seen);
+    let mut system = System::new();
+    let noting = behaviour(move |_| {
+        move |cycle| {
+            noted.lock().unwrap().push(cycle.is_observed());
+            Ok(())
+        }
+    });
+    system
+        .add("Noting", Activity::periodic(10.ms()), noting)
+        .unwrap();
+    (system, seen)
+}
+
+#[test]
+fn a_component_knows_whether_anybody_receives_its_reports() {
+    let (system, seen) = reporting();
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 15.ms());
+    run.run_until_event(Time::ZERO + 25.ms(), &mut |_, _| false);
+    run.run_until(Time::ZERO + 35.ms());
+    run.observe(|_: Time, _: &Event<'_>| {});
+    run.run_until(Time::ZERO + 45.ms());
+    assert_eq!(*seen.lock().unwrap(), [false, false, true, false, true]);
+    let (mut system, seen) = reporting();
+    system.observe(|_: Time, _: &Event<'_>| {});
+    system.simulate().run_until(Time::ZERO + 15.ms());
+    assert_eq!(*seen.lock().unwrap(), [true, true]);
+}
+
+#[test]
+fn in_real_time_a_component_knows_whether_anybody_receives_its_reports() {
+    let (system, seen) = reporting();
+    let mut run = system.live();
+    run_until(&mut run, |_| !seen.lock().unwrap().is_empty());
+    run.observe(|_: Time, _: &Event<'_>| {});
+    run_until(&mut run, |_| seen.lock().unwrap().last() == Some(&true));
+    run.stop();
+    let seen = seen.lock().unwrap();
+    let first = seen.iter().position(|it| *it).unwrap();
+    assert!(first > 0 && seen[first..].iter().all(|it| *it));
 }
 
 #[test]

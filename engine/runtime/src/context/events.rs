@@ -36,8 +36,13 @@ impl EventQueue {
         self.observed.store(true, Ordering::Relaxed);
     }
 
+    /// Returns whether events are kept.
+    pub(crate) fn is_observed(&self) -> bool {
+        self.observed.load(Ordering::Relaxed)
+    }
+
     pub(crate) fn push(&self, at: Time, event: &Event<'_>) {
-        if !self.observed.load(Ordering::Relaxed) {
+        if !self.is_observed() {
             return;
         }
         if self.queue.push((at, OwnedEvent::of(event))).is_err() {

@@ -162,6 +162,10 @@ impl Effects for HeldEvents {
         self.0.push((at, OwnedEvent::of(event)));
     }
 
+    fn is_observed(&self) -> bool {
+        true
+    }
+
     fn trigger(&mut self, _: usize) {}
 
     fn wake_at(&mut self, _: usize, _: Time) {}

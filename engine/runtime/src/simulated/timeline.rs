@@ -68,6 +68,10 @@ impl Effects for SimulatedEffects<'_, '_> {
         }
     }
 
+    fn is_observed(&self) -> bool {
+        !self.timeline.observers.is_empty() || self.watch.is_some()
+    }
+
     fn trigger(&mut self, component: usize) {
         let Some(driven) = self.timeline.schedules.get_mut(component) else {
             return;
