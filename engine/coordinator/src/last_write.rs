@@ -2,14 +2,26 @@
 //!
 //! It is kept as values: a step becomes text only for somebody who reads the text.
 
-use crate::status::LastUpdate;
 use asmotion_component::Time;
 use asmotion_lang::ir::Slot;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
-/// The last step that wrote something.
+/// A step that wrote something.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LastUpdate {
+    /// Number of the step.
+    pub step: u64,
+    /// Time of the step in seconds of the run.
+    pub at_s: f64,
+    /// The update set, ordered by location: location and value.
+    pub updates: BTreeMap<String, String>,
+}
+
+/// The last step that wrote something, as values.
 #[derive(Debug, Default)]
 pub(crate) struct LastWrite {
     /// Number of the step; 0 if the machine has made none that wrote something.

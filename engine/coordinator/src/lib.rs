@@ -42,6 +42,7 @@ pub use binding::{
 };
 pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
+pub use last_write::LastUpdate;
 pub use location::{LocationArgument, LocationName};
 pub use partners::{BAD_REPLY_REPORT, BadReply};
 pub use prepared::PreparedSpecification;
@@ -49,7 +50,7 @@ pub use recorded::{
     ChoiceRecord, CycleCauses, MachineBegin, MachineOrigin, RECORDED_CYCLE_REPORT, ReadLocation,
     RecordedCycle, ReplacedStep, SourceRecord,
 };
-pub use status::{CONTROL_STATES, CoordinatorStatus, LastUpdate, function_of};
+pub use status::{CONTROL_STATES, CoordinatorStatus, function_of};
 pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
 pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
 pub use watch::{GivenProperty, Watch};

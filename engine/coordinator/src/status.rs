@@ -2,6 +2,7 @@
 
 use crate::coordinator::Coordinator;
 use crate::inputs::{BoundInput, InputLocation};
+use crate::last_write::LastUpdate;
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::ir::{DomainElements, Function, FunctionId, FunctionKind, Program, ValueShape};
 use asmotion_lang::simulate;
@@ -40,17 +41,6 @@ pub struct CoordinatorStatus {
     /// Properties that are not watched, with the reason.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub unwatched: BTreeMap<String, String>,
-}
-
-/// A step that wrote something.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LastUpdate {
-    /// Number of the step.
-    pub step: u64,
-    /// Time of the step in seconds of the run.
-    pub at_s: f64,
-    /// The update set, ordered by location: location and value.
-    pub updates: BTreeMap<String, String>,
 }
 
 impl CoordinatorStatus {
