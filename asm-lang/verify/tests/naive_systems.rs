@@ -272,7 +272,7 @@ impl Whole {
     }
 }
 
-/// What a naive exploration finds.
+/// States and transitions of a naive exploration, and whether a step fails.
 struct Explored {
     states: Vec<Whole>,
     graph: Graph,

@@ -228,10 +228,19 @@ pub(crate) fn replaced(text: &str, changes: &[(&str, &str)]) -> String {
 
 /// Returns the files and version of a composite and its specification.
 pub(crate) fn version(composite: &str, specification: &str) -> (MemoryFiles, Version) {
+    version_of(&[
+        ("main.toml", composite),
+        ("brain.asm", specification),
+        ("replier.asm", REPLIER),
+    ])
+}
+
+/// Returns files and the version that they make; the composite is `main.toml`.
+pub(crate) fn version_of(texts: &[(&str, &str)]) -> (MemoryFiles, Version) {
     let mut files = MemoryFiles::new();
-    files.add("main.toml", composite);
-    files.add("brain.asm", specification);
-    files.add("replier.asm", REPLIER);
+    for (path, text) in texts {
+        files.add(*path, *text);
+    }
     let specifications = AsmFiles::new(&files);
     let context = Context {
         catalogue: &BUILD,

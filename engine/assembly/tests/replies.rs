@@ -1,12 +1,9 @@
 //! Replies of calls between specifications whose parts are outside the domains that the caller declares.
 
-use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::Span;
-use asmotion_composite::{AsmFiles, Context};
-use asmotion_lang::MemoryFiles;
 use asmotion_runtime::{Run, System};
 
-use super::replacement::{BUILD, replaced, status};
+use super::replacement::{replaced, start, status, version_of};
 
 /// Asks for a value of the domain `KIND`, with 4. Ends with an answer, or with a call that has failed.
 const ASKER: &str = "asm asker
@@ -70,22 +67,12 @@ timeout_ms = 5000
 "#;
 
 fn system(asker: &str, replier: &str) -> System {
-    let mut files = MemoryFiles::new();
-    files.add("main.toml", COMPOSITE);
-    files.add("asker.asm", asker);
-    files.add("replier.asm", replier);
-    let specifications = AsmFiles::new(&files);
-    let context = Context {
-        catalogue: &BUILD,
-        specifications: &specifications,
-        programs: &asmotion_composite::NoPrograms,
-        ..Context::files(&files)
-    };
-    let opened = asmotion_plan::open("main.toml", &context);
-    let found = crate::render::report(&opened.sources, &opened.report);
-    let plan = opened.plan(None).unwrap_or_else(|| panic!("{found}"));
-    let mut workshop = Standard::new(&BUILD, &files, CoordinatorOptions::seeded(1));
-    asmotion_assembly::start(plan, &mut workshop).expect("a system")
+    let files = [
+        ("main.toml", COMPOSITE),
+        ("asker.asm", asker),
+        ("replier.asm", replier),
+    ];
+    start(&version_of(&files)).0
 }
 
 /// Runs until the call has ended. Returns the answer; `None` if the call has failed.

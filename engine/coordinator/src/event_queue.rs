@@ -26,7 +26,7 @@ pub(crate) struct Arrival {
     pub position: usize,
 }
 
-/// What an event that waits for a step is about.
+/// The source of an event that waits for a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum EventSource {
     Message(Arrival),

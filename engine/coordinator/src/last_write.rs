@@ -1,6 +1,6 @@
 //! The last step of a coordinator that wrote something, for observers.
 //!
-//! It is kept as values: a step becomes text only for somebody who reads the text.
+//! It is kept as values, and formatted only when the status is read.
 
 use asmotion_component::Time;
 use asmotion_lang::ir::Slot;

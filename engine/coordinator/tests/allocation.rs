@@ -1,4 +1,4 @@
-//! Without observers, a step of a component allocates no memory: it becomes text only for somebody who reads the text.
+//! Without observers, a step of a coordinator allocates no memory, because it is not formatted.
 #![allow(
     unsafe_code,
     clippy::unwrap_used,
@@ -81,7 +81,7 @@ fn taken(run: &mut Simulation) -> u64 {
 fn a_step_that_nobody_observes_takes_no_memory() {
     let mut run = clock();
     assert_eq!(taken(&mut run), 0);
-    // whoever asks nevertheless learns what the last step wrote
+    // the status contains the last update set all the same
     let status = CoordinatorStatus::of(&run.inspect("Clock").unwrap()).unwrap();
     let last = status.last_update.unwrap();
     assert_eq!((last.step, status.step), (1101, 1101));

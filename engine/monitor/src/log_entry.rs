@@ -45,12 +45,12 @@ impl LogLevel {
 #[derive(Clone)]
 pub(crate) struct LogEntry {
     pub level: LogLevel,
-    /// What a filter searches: kind, component and text in small letters.
+    /// Kind, component and text in lower case, which filters search.
     searched: Arc<str>,
     pub json: Arc<str>,
 }
 
-/// What a tab wants of the log.
+/// The part of the log that a tab asks for.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LogFilter {
@@ -65,7 +65,7 @@ pub(crate) struct LogFilter {
 }
 
 impl LogFilter {
-    /// The same in small letters, as entries are searched.
+    /// Returns the filter with its words in lower case, as entries are searched.
     pub(crate) fn lowercase(mut self) -> Self {
         for word in &mut self.words {
             *word = word.to_lowercase();

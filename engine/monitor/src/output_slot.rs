@@ -43,7 +43,7 @@ pub(crate) struct OutputSlot {
     state: Mutex<OutputState>,
 }
 
-/// What a follower wants of an output besides the newest sample.
+/// The samples that a follower receives besides the newest one of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum KeptSamples {
     /// Those shortly before it.
