@@ -239,7 +239,7 @@ pub(crate) fn version(composite: &str, specification: &str) -> (MemoryFiles, Ver
 pub(crate) fn version_of(texts: &[(&str, &str)]) -> (MemoryFiles, Version) {
     let mut files = MemoryFiles::new();
     for (path, text) in texts {
-        files.add(*path, *text);
+        files.add(path, *text);
     }
     let specifications = AsmFiles::new(&files);
     let context = Context {
