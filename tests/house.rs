@@ -402,6 +402,54 @@ fn declared_modules(path: &Path, text: &str) -> Vec<PathBuf> {
     files
 }
 
+/// A test target costs a compilation and a link, or a run of `rustdoc`, even if it contains no test: the manifest turns it off then.
+#[test]
+fn test_targets_are_built_exactly_where_there_are_tests() {
+    const MARKS: [&str; 3] = ["#[test]", "#[cfg(test)]", "proptest!"];
+    let checkout =
+        Checkout::working_tree(Path::new(env!("CARGO_MANIFEST_DIR"))).expect("the sources");
+    let is_fence = |line: &str| {
+        let comment = line.trim_start();
+        let text = ["//!", "///"]
+            .iter()
+            .find_map(|mark| comment.strip_prefix(mark));
+        text.is_some_and(|text| text.trim_start().starts_with("```"))
+    };
+    let mut wrong = Vec::new();
+    for package in &workspace().packages {
+        let folder = package.manifest_path.parent().expect("a folder");
+        for target in package
+            .targets
+            .iter()
+            .filter(|it| it.is_lib() || it.is_proc_macro() || it.is_bin())
+        {
+            let sources = folder.join("src");
+            let texts = checkout.files.iter().filter(|file| {
+                let path = checkout.root.join(&file.path);
+                path.starts_with(&sources) && (path == target.src_path) == target.is_bin()
+            });
+            let texts: Vec<&str> = texts.map(|file| &*file.text).collect();
+            let has_tests = texts
+                .iter()
+                .any(|text| MARKS.iter().any(|mark| text.contains(mark)));
+            let has_examples = texts.iter().any(|text| text.lines().any(is_fence));
+            if target.test != has_tests {
+                wrong.push(format!(
+                    "{}: `test = {has_tests}` for `{}`",
+                    package.manifest_path, target.name
+                ));
+            }
+            if !target.is_bin() && target.doctest != has_examples {
+                wrong.push(format!(
+                    "{}: `doctest = {has_examples}` for `{}`",
+                    package.manifest_path, target.name
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// A file that no test target reaches is not compiled, so its tests run nowhere.
 #[test]
 fn every_file_of_tests_is_part_of_a_test_target() {
