@@ -34,13 +34,14 @@ fn recorded(folder: &Path) -> PathBuf {
 }
 
 /// `asmotion dash`. Dropping this ends it.
-struct Shown {
+pub struct Shown {
     process: Child,
-    url: String,
+    /// The printed address.
+    pub url: String,
 }
 
 impl Shown {
-    fn start(file: &Path) -> Self {
+    pub fn start(file: &Path) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
         command
             .arg("dash")

@@ -45,15 +45,15 @@ const views = [
 let current = views[0];
 let lastTexts = 0, lastHappened = 0, forced = true, pausedAt = 0;
 
-/** The token from the address, which then disappears from it. The part behind `#` is sent to no server, and the storage of the
- * tab belongs to this server alone. */
+/** The token from the address, which then disappears from it. The part behind `#` is sent to no server. The token becomes a cookie,
+ * which no script reads, and otherwise stays in this variable: a browser without cookies has it until the page is loaded again. */
 function takeToken() {
   const found = /^#token=([0-9a-f]+)$/.exec(location.hash);
   if (found) {
-    sessionStorage.setItem("token", found[1]);
     history.replaceState(null, "", "#overview");
+    fetch("login", { method: "POST", headers: { Authorization: `Bearer ${found[1]}` } }).catch(() => {});
   }
-  return sessionStorage.getItem("token");
+  return found ? found[1] : null;
 }
 
 /** Moves the time that all views show; null is now. @param {number | null} t */
@@ -296,7 +296,7 @@ function build() {
   });
   addEventListener("hashchange", () => {
     // the address of a process that was restarted has a new token
-    control.token = takeToken();
+    control.token = takeToken() ?? control.token;
     select();
   });
   addEventListener("keydown", key);
