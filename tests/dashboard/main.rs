@@ -19,6 +19,7 @@ mod long;
 mod mission;
 mod readers;
 mod recording;
+mod several;
 
 use browser::{Browser, Tab};
 use mission::RunningMission;

@@ -603,6 +603,8 @@ fn a_recording_opens_at_the_first_violation() {
         ".log .row.error",
         "violates CTLSPEC `ag(n < 20)`",
     ));
+    // and is told to those who do not see it
+    tab.wait("document.querySelector('#announcer').textContent.includes('violates CTLSPEC')");
     show(&mut tab, "spec");
     let property = with_text("#properties p.bad", "ag(n < 20)");
     tab.wait(&format!(

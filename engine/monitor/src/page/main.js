@@ -170,7 +170,7 @@ function address() {
   if (location.hash !== hash && !playback?.playing) history.replaceState(null, "", hash);
 }
 
-/** Tells readers of the screen what matters, at most once a second. */
+/** Tells readers of the screen what matters, control states and the last fault, at most once a second. */
 const announce = (() => {
   let last = 0, said = "";
   return (now) => {
@@ -179,7 +179,8 @@ const announce = (() => {
       const value = store.locationsAt(it.component)[it.diagram.location]?.value;
       return value ? `${it.component}: ${value}` : "";
     });
-    const words = states.filter(Boolean).join(", ");
+    const fault = store.log.findLast((it) => it.level === "error" && (!store.recording || it.t <= store.cursor + 1e-9));
+    const words = [...states, fault && `${fault.kind} of ${fault.component} at ${fault.t.toFixed(1)} s: ${fault.text}`].filter(Boolean).join(", ");
     if (words !== said) { text(byId("announcer"), words); said = words; last = now; }
   };
 })();
