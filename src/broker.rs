@@ -90,6 +90,14 @@ impl BrokerSettings {
         }
     }
 
+    /// Returns why the login is dangerous, and the way out, if it is: RabbitMQ's default one on another machine.
+    pub fn login_warning(&self) -> Option<String> {
+        match self {
+            Self::Amqp(settings) => amqp::login_warning(settings),
+            Self::Added(_) => None,
+        }
+    }
+
     /// Returns the name of the robot on the broker; `None` for the default.
     pub fn robot(&self) -> Option<&str> {
         match self {

@@ -328,7 +328,9 @@ impl Mission {
             },
         )?;
         if dashboard.is_some() {
-            contacts.push(self.inside_contact(&mut system, &dashboard_bus, plan, &part)?);
+            let contact = self.inside_contact(&mut system, &dashboard_bus, plan, &part)?;
+            // the dashboard knows more about who asks
+            contacts.push(contact.without_commands());
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
         successor.set_network(network.running());
@@ -357,6 +359,7 @@ impl Mission {
             &mut successor,
         );
         director.finish(run.now());
+        pass_commands(&mut contacts, dashboard.as_ref(), &mut recorder);
         if let Some(dashboard) = &mut dashboard {
             dashboard.end(outcome.name());
         }
@@ -479,6 +482,8 @@ impl Mission {
             if let Some(dashboard) = dashboard {
                 dashboard.process();
             }
+            pass_commands(contacts, dashboard.as_ref(), recorder);
+            recorder.queues(run);
             bridges.process(run);
             if successor.process_requests(run) {
                 bridges.follow();
@@ -563,6 +568,23 @@ fn is_notable(event: &Event<'_>) -> bool {
         | Event::Dropped { .. }
         | Event::Property { .. }
         | Event::Lost { .. } => false,
+    }
+}
+
+/// Records what others have asked of the system since the last call. The dashboard shows also what did not come from its tabs.
+fn pass_commands(
+    contacts: &mut [ProcessContact<'_>],
+    dashboard: Option<&OpenDashboard>,
+    recorder: &mut MissionRecorder,
+) {
+    let commands = contacts
+        .iter_mut()
+        .flat_map(ProcessContact::take_commands)
+        .collect::<Vec<_>>();
+    recorder.commands(&commands);
+    if let Some(dashboard) = dashboard {
+        dashboard.show_commands(&commands);
+        recorder.commands(&dashboard.take_commands());
     }
 }
 

@@ -16,21 +16,41 @@ use crate::processes::{navigation, over, three_processes, tool, wait_until_prese
 const LONG: Duration = Duration::from_secs(60);
 
 /// A run with a dashboard. It is killed at the end of the test.
-struct Watched {
+pub(super) struct Watched {
     process: Child,
     address: String,
+    /// The address that it prints, with the token if it can be controlled.
+    url: String,
 }
 
 impl Watched {
     /// Starts a run, whose dashboard has to open.
-    fn start(command: &mut Command) -> Self {
+    pub(super) fn start(command: &mut Command) -> Self {
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         let mut process = command.spawn().unwrap();
-        let address = address(process.stderr.take().unwrap());
-        Self { process, address }
+        let url = url(process.stderr.take().unwrap());
+        let address = address_of(&url);
+        Self {
+            process,
+            address,
+            url,
+        }
     }
 
-    fn tab(&self) -> LiveTab {
+    /// The token of the dashboard.
+    pub(super) fn token(&self) -> &str {
+        self.url.split_once("#token=").unwrap().1
+    }
+
+    /// Ends the run like Ctrl-C, and waits for its end.
+    pub(super) fn interrupt(&mut self) {
+        let pid = self.process.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &pid]).status().unwrap();
+        assert!(sent.success());
+        self.process.wait().unwrap();
+    }
+
+    pub(super) fn tab(&self) -> LiveTab {
         LiveTab::open(&self.address)
     }
 }
@@ -42,8 +62,8 @@ impl Drop for Watched {
     }
 }
 
-/// The address of the dashboard that a run opens.
-fn address(stderr: ChildStderr) -> String {
+/// The address that a run with a dashboard prints.
+fn url(stderr: ChildStderr) -> String {
     let mut lines = BufReader::new(stderr).lines();
     let mut said = Vec::new();
     let url = loop {
@@ -57,19 +77,26 @@ fn address(stderr: ChildStderr) -> String {
     };
     // what it prints is not needed, but has to go somewhere
     std::thread::spawn(move || lines.for_each(drop));
+    url
+}
+
+/// Host and port of an address.
+fn address_of(url: &str) -> String {
     let address = url.trim_start_matches("http://").split('/').next();
     address.unwrap().to_owned()
 }
 
 /// A tab without a browser.
-struct LiveTab {
+pub(super) struct LiveTab {
     socket: WebSocket<TcpStream>,
     /// What the system consists of.
-    system: Value,
+    pub system: Value,
+    /// The first message.
+    pub hello: Value,
 }
 
 impl LiveTab {
-    fn open(address: &str) -> Self {
+    pub(super) fn open(address: &str) -> Self {
         let stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(LONG)).unwrap();
         let request = format!("ws://{address}/live")
@@ -79,22 +106,36 @@ impl LiveTab {
         let mut tab = Self {
             socket,
             system: Value::Null,
+            hello: Value::Null,
         };
         let hello = tab.next().unwrap();
         assert_eq!(hello["type"], "hello");
         tab.system = hello["system"].clone();
+        tab.hello = hello;
         tab
     }
 
-    fn subscribe(&mut self, streams: &[&str]) {
+    pub(super) fn subscribe(&mut self, streams: &[&str]) {
         let request = json!({ "type": "subscribe", "streams": streams, "max_hz": 30.0 });
         self.socket
             .send(Message::text(request.to_string()))
             .unwrap();
     }
 
+    /// Sends a message.
+    pub(super) fn send(&mut self, message: &Value) {
+        self.socket.send(Message::text(message.to_string())).unwrap();
+    }
+
+    /// Sends a message, and returns the reply to it.
+    pub(super) fn ask(&mut self, message: &Value) -> Value {
+        self.send(message);
+        let is_reply = |it: &Value| ["armed", "done", "problem"].iter().any(|kind| it["type"] == *kind);
+        self.until("the reply", is_reply)
+    }
+
     /// The next message, which is acknowledged; `None` at the end of the connection.
-    fn next(&mut self) -> Option<Value> {
+    pub(super) fn next(&mut self) -> Option<Value> {
         loop {
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
@@ -113,7 +154,7 @@ impl LiveTab {
 
     /// The next message for which this is true.
     #[track_caller]
-    fn until(&mut self, what: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
+    pub(super) fn until(&mut self, what: &str, is_wanted: impl Fn(&Value) -> bool) -> Value {
         let begun = Instant::now();
         while let Some(message) = self.next() {
             if is_wanted(&message) {
@@ -161,7 +202,7 @@ fn figures(address: &str) -> String {
     response
 }
 
-fn with_dashboard(command: &mut Command) -> &mut Command {
+pub(super) fn with_dashboard(command: &mut Command) -> &mut Command {
     command.args(["--dashboard", "127.0.0.1:0"])
 }
 
@@ -301,7 +342,7 @@ fn a_run_has_a_dashboard_a_recording_and_its_output_as_json_at_the_same_time() {
         });
         lines.collect::<Vec<_>>()
     });
-    let address = address(process.stderr.take().unwrap());
+    let address = address_of(&url(process.stderr.take().unwrap()));
     let mut tabs = [LiveTab::open(&address), LiveTab::open(&address)];
     for tab in &mut tabs {
         tab.subscribe(&["steps", "log"]);

@@ -45,7 +45,7 @@ default init s0:
 ";
 
 /// A composite whose source sends 200 messages a second, and whose sink takes 50 a second from a queue of this size.
-fn counting(folder: &Path, size: u64) -> PathBuf {
+pub(super) fn counting(folder: &Path, size: u64) -> PathBuf {
     std::fs::write(folder.join("source.asm"), SOURCE).unwrap();
     std::fs::write(folder.join("sink.asm"), SINK).unwrap();
     let text = format!(

@@ -16,6 +16,7 @@ mod ball_tracker;
 mod cli;
 mod commands;
 mod composites;
+mod control;
 mod dashboards;
 mod describe;
 mod documents;

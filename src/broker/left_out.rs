@@ -31,6 +31,11 @@ pub fn prepare(settings: &mut AmqpSettings, _: Option<String>, _: bool) {
 }
 
 /// Never called: there are no settings.
+pub fn login_warning(settings: &AmqpSettings) -> Option<String> {
+    match *settings {}
+}
+
+/// Never called: there are no settings.
 pub fn robot(settings: &AmqpSettings) -> Option<&str> {
     match *settings {}
 }

@@ -99,6 +99,11 @@ fn is_news(last: &mut Option<(String, Instant)>, notice: String, now: Instant) -
     is_news
 }
 
+/// Returns why the login is dangerous, if it is.
+pub fn login_warning(settings: &AmqpSettings) -> Option<String> {
+    settings.login_warning()
+}
+
 /// Returns the name of the robot in the settings; `None` for the default.
 pub fn robot(settings: &AmqpSettings) -> Option<&str> {
     settings.robot.as_deref()

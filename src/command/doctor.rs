@@ -85,6 +85,10 @@ fn check_all(settings: &AmqpSettings, terminal: &mut TerminalOutput) -> Result<(
         settings.credentials.user(),
         settings.vhost
     ));
+    if let Some(warning) = settings.login_warning() {
+        terminal.result(format_args!("{NOTE}note{NOTE:#} {warning}"));
+    }
+    let mut well = |what: String| terminal.result(format_args!("{GOOD}ok{GOOD:#}   {what}"));
     check_alarms(&bus, settings)?;
     well("the broker accepts messages: no alarm".to_owned());
     check_topic(&bus, settings)?;

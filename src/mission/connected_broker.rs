@@ -10,5 +10,7 @@ pub(super) struct ConnectedBroker {
     pub name: Option<String>,
     /// Address of the broker, without credentials.
     pub location: String,
+    /// Why its login is dangerous.
+    pub warning: Option<String>,
     pub bus: Arc<dyn Bus>,
 }

@@ -226,6 +226,7 @@ impl Mission {
                 return Ok(vec![ConnectedBroker {
                     name,
                     location,
+                    warning: None,
                     bus,
                 }]);
             }
@@ -233,11 +234,16 @@ impl Mission {
             MissionBrokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
         let connect = |(name, settings): (Option<String>, &BrokerSettings)| {
+            let warning = settings.login_warning();
+            if let Some(warning) = &warning {
+                (self.notice)(warning);
+            }
             let (location, bus) = self.connect_to(settings, plan, stop);
             let bus = bus.map_err(|reason| broker_error(&location, reason))?;
             Ok(ConnectedBroker {
                 name,
                 location,
+                warning,
                 bus,
             })
         };

@@ -118,12 +118,21 @@ fn a_tab_follows_a_process_that_restarts_and_does_not_mix_its_runs() {
     tab.wait("!document.body.classList.contains('lost') && document.querySelector('#connection').textContent.includes('live')");
     // from the first step on, and none of the old run
     tab.wait("asmotion.store.stepsOf('One').length > 3 && asmotion.store.stepsOf('One').every((it, index) => !it.isOld && it.step.number === index + 1)");
+    // it was armed at the old one: it is not any more, and the cookie of the old one is of no use
+    assert_eq!(tab.eval("asmotion.control.armed"), false);
+    tab.wait("asmotion.store.permission === 'free' && !asmotion.store.known");
     // the new process does not know the token of the old one
     tab.click(&with_text("#control button", "Arm control"));
     tab.wait("document.querySelector('#outcome.bad').textContent.includes('token')");
+    tab.wait("document.querySelector('#control').textContent.includes('not logged in')");
     // and its own address gives the new one to the same tab
     tab.call("Page.navigate", serde_json::json!({ "url": second.url }));
     tab.wait("location.hash === '#overview'");
+    tab.click(&with_text("#control button", "Arm control"));
+    tab.wait("document.querySelector('#armed')");
+    // the new cookie has taken the place of the old one
+    tab.call("Page.reload", serde_json::json!({}));
+    tab.wait("asmotion.store.known && asmotion.control.token === null && asmotion.control.isKnown");
     tab.click(&with_text("#control button", "Arm control"));
     tab.wait("document.querySelector('#armed')");
     is_clean(&tab);

@@ -15,12 +15,15 @@ mod browser;
 mod crossings;
 mod details;
 mod figures;
+mod long;
 mod mission;
 mod readers;
 mod recording;
+mod several;
 
 use browser::{Browser, Tab};
 use mission::RunningMission;
+use serde_json::{Value, json};
 use std::time::Duration;
 
 const WIDE: (u32, u32) = (1440, 900);
@@ -67,6 +70,7 @@ fn y9_each_view_shows_and_controls_a_running_mission() {
     details::keys(&mut tab);
     arm(&mut tab);
     property(&mut tab);
+    second_tab(&browser, &mission);
     joints(&mut tab);
     details::limits(&mut tab);
     details::every_sample(&mut tab);
@@ -94,7 +98,9 @@ fn y9_each_view_shows_and_controls_a_running_mission() {
     for tab in [tab, other, narrow] {
         // a process that has ended refuses the tabs that come back
         crossings::is_clean(&tab);
-        let own = ["http://", "ws://"].map(|scheme| format!("{scheme}{}/", mission.address()));
+        let port = mission.address().rsplit_once(':').unwrap().1;
+        let own = ["http://127.0.0.1", "ws://127.0.0.1", "http://localhost", "ws://localhost"];
+        let own = own.map(|name| format!("{name}:{port}/"));
         let foreign =
             |it: &&String| !own.iter().any(|own| it.starts_with(own)) && *it != "about:blank";
         let foreign: Vec<_> = tab.requests.iter().filter(foreign).collect();
@@ -186,6 +192,25 @@ fn components(tab: &mut Tab) {
 fn arm(tab: &mut Tab) {
     tab.click(&with_text("#control button", "Arm control"));
     tab.wait("document.querySelector('#armed')?.textContent.startsWith('CONTROL ARMED')");
+}
+
+/// Another tab of a browser that has logged in needs no token, which scripts do not find anywhere.
+fn second_tab(browser: &Browser, mission: &RunningMission) {
+    let mut tab = browser.open(&format!("http://{}/", mission.address()), WIDE, "light");
+    tab.wait("asmotion.store.known && asmotion.store.permission === 'held'");
+    tab.wait(&with_text("#control button", "Take over"));
+    let found = tab.eval("document.cookie + JSON.stringify({ ...sessionStorage, ...localStorage }) + location.href");
+    let token = mission.url.split_once("#token=").unwrap().1;
+    assert!(!found.as_str().unwrap().contains(token), "{found}");
+    assert_eq!(tab.eval("asmotion.control.token"), Value::Null);
+    assert_eq!(tab.eval("document.cookie"), "");
+    let cookies = tab.call("Network.getCookies", json!({ "urls": [format!("http://{}/live", mission.address())] }));
+    let cookies = cookies["cookies"].as_array().unwrap();
+    assert_eq!(cookies.len(), 1, "{cookies:?}");
+    let cookie = &cookies[0];
+    assert_eq!((&cookie["httpOnly"], &cookie["sameSite"]), (&json!(true), &json!("Strict")));
+    assert_eq!((&cookie["session"], &cookie["path"]), (&json!(true), &json!("/live")));
+    assert_eq!(tab.errors, Vec::<String>::new());
 }
 
 fn property(tab: &mut Tab) {
@@ -386,7 +411,9 @@ fn untrusted_texts(tab: &mut Tab) {
 
 /// A tab without the token, while another one is armed.
 fn view_only(browser: &Browser, mission: &RunningMission) -> Tab {
-    let mut tab = browser.open(&format!("http://{}/", mission.address()), WIDE, "dark");
+    // under another name of this machine, the browser has not logged in
+    let address = mission.address().replace("127.0.0.1", "localhost");
+    let mut tab = browser.open(&format!("http://{address}/"), WIDE, "dark");
     tab.wait("document.querySelector('#control').textContent.includes('view only')");
     tab.wait("document.querySelector('#stop').disabled");
     // what the page would not do, the server does not do either

@@ -34,13 +34,14 @@ fn recorded(folder: &Path) -> PathBuf {
 }
 
 /// `asmotion dash`. Dropping this ends it.
-struct Shown {
+pub struct Shown {
     process: Child,
-    url: String,
+    /// The printed address.
+    pub url: String,
 }
 
 impl Shown {
-    fn start(file: &Path) -> Self {
+    pub fn start(file: &Path) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
         command
             .arg("dash")
@@ -602,6 +603,8 @@ fn a_recording_opens_at_the_first_violation() {
         ".log .row.error",
         "violates CTLSPEC `ag(n < 20)`",
     ));
+    // and is told to those who do not see it
+    tab.wait("document.querySelector('#announcer').textContent.includes('violates CTLSPEC')");
     show(&mut tab, "spec");
     let property = with_text("#properties p.bad", "ag(n < 20)");
     tab.wait(&format!(

@@ -281,6 +281,11 @@ impl<'a> Cycle<'a> {
         self.host.set_losses(losses);
     }
 
+    /// Sets the number of messages that the component has taken from its inputs and keeps for a later cycle, for observers.
+    pub fn set_waiting(&mut self, count: u64) {
+        self.host.set_waiting(count);
+    }
+
     /// The status of another component of the system, at this moment; `None` if it runs in another process, or if there is
     /// none. For components that pass on commands to it.
     pub fn peer(&self, component: &str) -> Option<PeerStatus> {

@@ -68,6 +68,9 @@ pub trait CycleHost: PropertyHost {
     /// Publishes the component's count of lost messages.
     fn set_losses(&mut self, losses: Losses);
 
+    /// Publishes how many messages the component keeps for a later cycle.
+    fn set_waiting(&mut self, count: u64);
+
     /// The status of another component; `None` if the system has none with this name.
     fn peer(&self, component: &str) -> Option<PeerStatus>;
 

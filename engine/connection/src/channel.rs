@@ -1,6 +1,8 @@
 //! The two typed ends of a bounded connection.
 
 use crate::buffer_kind::BufferKind;
+#[cfg(not(feature = "loom"))]
+use crate::gauge::QueueGauge;
 use crate::push_outcome::PushOutcome;
 use crate::shared_buffer::SharedBuffer;
 use crate::sync::{Ordering, fence};
@@ -123,6 +125,18 @@ impl<T> Receiver<T> {
     }
 }
 
+#[cfg(not(feature = "loom"))]
+impl<T: Send + 'static> Receiver<T> {
+    /// Tells how many samples wait; `None` for the newest sample alone, which is no queue, and for ends in one thread.
+    pub fn gauge(&self) -> Option<QueueGauge> {
+        match &self.0 {
+            ReceiverKind::Newest(_) => None,
+            ReceiverKind::Buffer(reader) => Some(reader.gauge()),
+            ReceiverKind::Shared(shared) => shared.gauge(),
+        }
+    }
+}
+
 impl<T> Receiver<T> {
     /// Passes the unread values to `f`, in order, without consuming them. Intended for connections whose ends are
     /// idle.
@@ -191,6 +205,40 @@ mod tests {
                 assert_eq!((seen.len(), seen), (kind.size(), got), "{kind:?}");
             }
         }
+    }
+
+    #[test]
+    fn another_thread_sees_how_many_samples_wait() {
+        for kind in [BufferKind::Buffer(3), BufferKind::Circular(3)] {
+            let [others @ .., in_one_thread] = all_channels(kind);
+            assert!(in_one_thread.1.gauge().is_none());
+            for (mut sender, mut receiver) in others {
+                let gauge = receiver.gauge().expect("a queue");
+                let waiting = || {
+                    let gauge = gauge.clone();
+                    std::thread::spawn(move || gauge.waiting()).join().unwrap()
+                };
+                assert_eq!(waiting(), 0, "{kind:?}");
+                for expected in [1, 2, 3, 3] {
+                    sender.send(7);
+                    assert_eq!(waiting(), expected, "{kind:?}");
+                }
+                receiver.take();
+                assert_eq!(waiting(), 2, "{kind:?}");
+                assert!(!receiver.is_abandoned() && !gauge.is_gone());
+                drop(sender);
+                assert!(receiver.is_abandoned());
+                drop(receiver);
+                assert!(gauge.is_gone() && gauge.waiting() == 0, "{kind:?}");
+            }
+        }
+        let (_, newest) = channel::<u64>(BufferKind::Data);
+        assert!(newest.gauge().is_none());
+        let pool = Pool::<u64>::lock_free(BufferKind::Buffer(3));
+        let gauges = [pool.receiver(), pool.receiver()].map(|it| it.gauge().unwrap());
+        assert!(gauges[0].is_same(&gauges[1]));
+        let other = channel::<u64>(BufferKind::Buffer(3)).1.gauge().unwrap();
+        assert!(!gauges[0].is_same(&other));
     }
 
     #[test]

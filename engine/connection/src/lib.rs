@@ -6,6 +6,8 @@
 
 mod buffer_kind;
 mod channel;
+#[cfg(not(feature = "loom"))]
+mod gauge;
 mod notifier;
 mod pool;
 mod push_outcome;
@@ -18,6 +20,8 @@ mod unsync;
 
 pub use buffer_kind::BufferKind;
 pub use channel::{Receiver, Sender, channel};
+#[cfg(not(feature = "loom"))]
+pub use gauge::QueueGauge;
 pub use notifier::Notifier;
 pub use pool::Pool;
 pub use push_outcome::PushOutcome;

@@ -9,6 +9,8 @@
 
 use std::mem::MaybeUninit;
 
+#[cfg(not(feature = "loom"))]
+use crate::gauge::{QueueGauge, QueueLength};
 use crate::sync::{Arc, AtomicUsize, Ordering, UnsafeCell};
 
 /// Occupies cache lines of its own, so that the two ends do not slow each other.
@@ -140,6 +142,15 @@ impl<T> RingReader<T> {
         }
     }
 
+    /// Tells other threads how many values wait.
+    #[cfg(not(feature = "loom"))]
+    pub(crate) fn gauge(&self) -> QueueGauge
+    where
+        T: Send + 'static,
+    {
+        QueueGauge::new(&self.ring)
+    }
+
     /// Returns whether the writer has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.ring) == 1
@@ -149,6 +160,16 @@ impl<T> RingReader<T> {
     pub(crate) fn len(&mut self) -> usize {
         self.write_index = self.ring.write_index.0.load(Ordering::Acquire);
         self.write_index.wrapping_sub(self.read_index)
+    }
+}
+
+#[cfg(not(feature = "loom"))]
+impl<T: Send> QueueLength for Ring<T> {
+    fn length(&self) -> usize {
+        // in this order: what is taken has been written before
+        let read = self.read_index.0.load(Ordering::Acquire);
+        let written = self.write_index.0.load(Ordering::Acquire);
+        written.wrapping_sub(read).min(self.size)
     }
 }
 

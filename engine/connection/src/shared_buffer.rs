@@ -5,6 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use crossbeam_queue::ArrayQueue;
 
 use crate::buffer_kind::BufferKind;
+#[cfg(not(feature = "loom"))]
+use crate::gauge::{QueueGauge, QueueLength};
 use crate::push_outcome::PushOutcome;
 use crate::store::Store;
 use crate::unsync::Unsync;
@@ -93,6 +95,22 @@ impl<T> SharedBuffer<T> {
         shares == 1
     }
 
+    /// Tells other threads how many samples wait; `None` for the newest sample alone, and for ends in one thread.
+    #[cfg(not(feature = "loom"))]
+    pub(crate) fn gauge(&self) -> Option<QueueGauge>
+    where
+        T: Send + 'static,
+    {
+        match self {
+            Self::Buffer(queue) | Self::Circular(queue) => Some(QueueGauge::new(queue)),
+            Self::Locked(store) => Some(QueueGauge::new(store)),
+            Self::OnDemand(on_demand) if on_demand.kind != BufferKind::Data => {
+                Some(QueueGauge::new(on_demand))
+            }
+            Self::Newest(_) | Self::OnDemand(_) | Self::Unsync(_) => None,
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.len(),
@@ -100,6 +118,20 @@ impl<T> SharedBuffer<T> {
             Self::Unsync(store) => store.with(|store| store.len()),
             Self::OnDemand(on_demand) => on_demand.queue.get().map_or(0, |queue| queue.len()),
         }
+    }
+}
+
+#[cfg(not(feature = "loom"))]
+impl<T: Send> QueueLength for Mutex<Store<T>> {
+    fn length(&self) -> usize {
+        locked(self).len()
+    }
+}
+
+#[cfg(not(feature = "loom"))]
+impl<T: Send> QueueLength for QueueOnDemand<T> {
+    fn length(&self) -> usize {
+        self.queue.get().map_or(0, |queue| queue.len())
     }
 }
 

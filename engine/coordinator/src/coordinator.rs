@@ -241,7 +241,9 @@ impl Component for Coordinator {
         self.requests.reply_to_open(cycle);
         self.partners.send(&self.machine, cycle);
         self.report_losses(cycle)?;
-        if self.inbox.has_waiting_events() {
+        let waiting = self.inbox.waiting_events();
+        cycle.set_waiting(waiting);
+        if waiting > 0 {
             cycle.request_cycle();
         }
         if let Some(deadline) = self.watcher.monitors.deadline_ns() {

@@ -175,10 +175,10 @@ impl MessageInputs {
         }
     }
 
-    /// Returns whether an event waits for a following step.
-    pub fn has_waiting_events(&self) -> bool {
-        let mut locations = self.inputs.iter().flat_map(|input| &input.locations);
-        locations.any(|location| !location.waiting.is_empty())
+    /// Returns the number of events that wait for a following step.
+    pub fn waiting_events(&self) -> u64 {
+        let locations = self.inputs.iter().flat_map(|input| &input.locations);
+        locations.map(|location| location.waiting.len() as u64).sum()
     }
 
     /// Returns the number of outcomes of calls that wait for a following step.

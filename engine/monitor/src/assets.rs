@@ -26,6 +26,7 @@ pub(crate) const FILES: &[(&str, &str, &str)] = files! {
     "link.js": "text/javascript; charset=utf-8",
     "location_history.js": "text/javascript; charset=utf-8",
     "log_list.js": "text/javascript; charset=utf-8",
+    "log_rows.js": "text/javascript; charset=utf-8",
     "logs.js": "text/javascript; charset=utf-8",
     "main.js": "text/javascript; charset=utf-8",
     "map.js": "text/javascript; charset=utf-8",

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use asmotion_bus::{Bus, CallFailure, Payload, Request, SenderId};
 use asmotion_datum::Datum;
 use asmotion_http::{BearerToken, call};
-use asmotion_remote::{Order, control_address};
+use asmotion_remote::{CommandOutcome, Order, TabLogin, control_address};
 
 /// Limit on the time in which an order is carried out.
 const ORDER_TIMEOUT: Duration = Duration::from_secs(5);
@@ -74,12 +74,23 @@ impl Desk {
         holder
     }
 
-    /// Gives the permission to a tab. `take` takes it from another one.
-    pub(crate) fn arm(&self, client: u64, token: &str, take: bool) -> Result<(), ControlError> {
-        let (true, Some(expected)) = (self.is_open(), &self.token) else {
+    /// Returns whether this is the token.
+    pub(crate) fn knows(&self, token: &str) -> bool {
+        let expected = self.token.as_ref().filter(|_| self.is_open());
+        expected.is_some_and(|expected| expected.is_in(&format!("Bearer {token}")))
+    }
+
+    /// Gives the permission to a tab that has logged in in some way, or has not. `take` takes it from another one.
+    pub(crate) fn arm(
+        &self,
+        client: u64,
+        login: TabLogin,
+        take: bool,
+    ) -> Result<(), ControlError> {
+        if !self.is_open() {
             return Err(ControlError::ViewOnly);
-        };
-        if !expected.is_in(&format!("Bearer {token}")) {
+        }
+        if login.is_none() {
             return Err(ControlError::Token);
         }
         let mut holder = self.holder();
@@ -90,9 +101,9 @@ impl Desk {
         Ok(())
     }
 
-    /// Takes the permission from a tab that no longer wants it, or has gone.
-    pub(crate) fn disarm(&self, client: u64) {
-        self.holder().take_if(|it| it.client == client);
+    /// Takes the permission from a tab that no longer wants it, or has gone. Returns whether it had the permission.
+    pub(crate) fn disarm(&self, client: u64) -> bool {
+        self.holder().take_if(|it| it.client == client).is_some()
     }
 
     /// The time for which a tab still has the permission; `None` if it does not have it.
@@ -131,21 +142,22 @@ impl OrderBus {
     /// Sends an order, and waits until it has been carried out.
     ///
     /// # Errors
-    /// A text for the user.
-    pub(crate) async fn send(&self, order: &Order) -> Result<(), String> {
-        let argument = Datum::of(order).map_err(|error| error.to_string())?;
+    /// What became of it, and a text for the user.
+    pub(crate) async fn send(&self, order: &Order) -> Result<(), (CommandOutcome, String)> {
+        let argument =
+            Datum::of(order).map_err(|error| (CommandOutcome::Refused, error.to_string()))?;
         let origin = SenderId::new("dashboard", 0);
         let request = Request::new(origin, Payload::of(argument), ORDER_TIMEOUT);
         let address = control_address(&self.process);
         match call(&*self.bus, &address, request, false).await {
             Ok(_) => Ok(()),
-            Err(CallFailure::Refused(refusal)) => Err(refusal.detail),
+            Err(CallFailure::Refused(refusal)) => Err((CommandOutcome::Refused, refusal.detail)),
             Err(
                 failure @ (CallFailure::Timeout
                 | CallFailure::Unavailable
                 | CallFailure::Cancelled
                 | CallFailure::Stopped),
-            ) => Err(failure.to_string()),
+            ) => Err((CommandOutcome::Unknown, failure.to_string())),
         }
     }
 }
@@ -167,31 +179,42 @@ mod tests {
     fn one_tab_has_the_permission_until_it_gives_it_back_or_another_takes_it() {
         let desk = desk(Duration::from_secs(60));
         assert_eq!(desk.order_bus(1).err(), Some(ControlError::NotArmed));
-        assert_eq!(desk.arm(1, "secre", false), Err(ControlError::Token));
-        assert_eq!(desk.arm(1, "secret", false), Ok(()));
-        assert_eq!(desk.arm(2, "secret", false), Err(ControlError::Held));
+        assert!(desk.knows("secret") && !desk.knows("secre") && !desk.knows(""));
+        assert_eq!(
+            desk.arm(1, TabLogin::None, false),
+            Err(ControlError::Token)
+        );
+        assert_eq!(desk.arm(1, TabLogin::Token, false), Ok(()));
+        assert_eq!(
+            desk.arm(2, TabLogin::Cookie, false),
+            Err(ControlError::Held)
+        );
         assert!(desk.order_bus(1).is_ok() && desk.is_held_by_other(2));
-        assert_eq!(desk.arm(2, "secret", true), Ok(()));
+        assert_eq!(desk.arm(2, TabLogin::Cookie, true), Ok(()));
         assert_eq!(desk.order_bus(1).err(), Some(ControlError::NotArmed));
         // a tab cannot take what it does not hold
-        desk.disarm(1);
+        assert!(!desk.disarm(1));
         assert!(desk.order_bus(2).is_ok());
-        desk.disarm(2);
+        assert!(desk.disarm(2));
         assert_eq!(desk.order_bus(2).err(), Some(ControlError::NotArmed));
     }
 
     #[test]
     fn the_permission_expires() {
         let desk = desk(Duration::ZERO);
-        assert_eq!(desk.arm(1, "secret", false), Ok(()));
+        assert_eq!(desk.arm(1, TabLogin::Token, false), Ok(()));
         assert_eq!(desk.order_bus(1).err(), Some(ControlError::NotArmed));
-        assert_eq!(desk.arm(2, "secret", false), Ok(()));
+        assert_eq!(desk.arm(2, TabLogin::Token, false), Ok(()));
     }
 
     #[test]
     fn without_a_token_nobody_controls_anything() {
         let closed = Desk::new(desk(Duration::ZERO).orders, None, Duration::from_secs(60));
-        assert_eq!(closed.arm(1, "", false), Err(ControlError::ViewOnly));
+        assert!(!closed.knows("") && !closed.knows("secret"));
+        assert_eq!(
+            closed.arm(1, TabLogin::Token, false),
+            Err(ControlError::ViewOnly)
+        );
         assert_eq!(closed.order_bus(1).err(), Some(ControlError::ViewOnly));
     }
 }

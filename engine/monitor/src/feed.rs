@@ -11,7 +11,7 @@ use std::time::Instant;
 use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_datum::{Sample, Schema};
-use asmotion_remote::Presence;
+use asmotion_remote::{CommandOutcome, CommandRecord, Presence};
 use asmotion_runtime::{Event, Observer};
 use asmotion_viewer_encoding::ChannelSchema;
 use serde::Deserialize;
@@ -20,6 +20,7 @@ use tokio::sync::watch;
 
 use crate::bus_link::BusLink;
 use crate::catalogue::SystemDescription;
+use crate::command_log::{CommandLog, CommandOrigin};
 use crate::log_entry::{self, LogEntry};
 use crate::output_slot::{OutputSlot, OutputSummary};
 use crate::ring::Ring;
@@ -72,6 +73,7 @@ pub(crate) struct FeedState {
     pub lost: u64,
     /// How the run has ended; `None` while it is under way.
     pub end: Option<String>,
+    commands: CommandLog,
 }
 
 /// A step as tabs receive it.
@@ -121,6 +123,7 @@ impl Feed {
                 presence: None,
                 lost: 0,
                 end: None,
+                commands: CommandLog::new(),
             }),
             links,
             types: Mutex::default(),
@@ -232,11 +235,50 @@ impl Feed {
         None
     }
 
-    /// Records a command of a tab.
-    pub(crate) fn command(&self, client: &str, text: &str) {
+    /// Notes that a tab asks for something.
+    pub(crate) fn command(&self, origin: &CommandOrigin<'_>, text: &str) -> CommandRecord {
+        let record = self.state().commands.asked(origin, text);
+        self.note(record.clone());
+        record
+    }
+
+    /// Notes what became of a command.
+    pub(crate) fn command_ended(
+        &self,
+        command: &CommandRecord,
+        outcome: CommandOutcome,
+        reason: String,
+    ) {
+        self.note(command.ended(outcome, reason));
+    }
+
+    /// Notes that a command was refused at once.
+    pub(crate) fn command_refused(&self, origin: &CommandOrigin<'_>, text: &str, reason: &str) {
+        let record = self
+            .state()
+            .commands
+            .refused(origin, (text, reason), Instant::now());
+        if let Some(record) = record {
+            self.note(record);
+        }
+    }
+
+    fn note(&self, record: CommandRecord) {
         let mut state = self.state();
-        let entry = log_entry::command(state.time, client, text);
-        state.log.push(entry);
+        let at = state.time;
+        state.log.push(log_entry::command(at, &record));
+        state.commands.keep(at, record);
+    }
+
+    /// Takes what tabs have asked for since the last call, and what became of it, each with the time of the run.
+    pub fn take_commands(&self) -> Vec<(Time, CommandRecord)> {
+        self.state().commands.take()
+    }
+
+    /// Shows a command that came from elsewhere, such as a tool.
+    pub fn show_command(&self, at: Time, record: &CommandRecord) {
+        let entry = log_entry::command(at, record);
+        self.state().log.push(entry);
     }
 
     /// Locks the state for reading or writing.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asmotion_http::{ConnectionPlace, HttpHandler, HttpRequest, HttpResponse};
 use hyper::header::{
     CONNECTION, HeaderValue, SEC_WEBSOCKET_ACCEPT, SEC_WEBSOCKET_KEY, SEC_WEBSOCKET_PROTOCOL,
-    SEC_WEBSOCKET_VERSION, UPGRADE,
+    SEC_WEBSOCKET_VERSION, SET_COOKIE, UPGRADE,
 };
 use hyper::upgrade::Upgraded;
 use hyper::{Method, StatusCode};
@@ -24,7 +24,7 @@ use crate::session::Session;
 use crate::settings::DashboardSettings;
 use crate::step_guards::StepRepeater;
 use crate::ticker::{Shared, Ticker};
-use crate::{assets, foxglove, frame, guard, metrics};
+use crate::{assets, foxglove, frame, guard, login, metrics};
 
 const JSON: &str = "application/json";
 const TEXT: &str = "text/plain; charset=utf-8";
@@ -95,6 +95,9 @@ impl HttpHandler for DashboardHandler {
         }
         if is_viewer {
             return self.viewer(request, place);
+        }
+        if path == "/login" {
+            return self.log_in(&request);
         }
         if request.method() != Method::GET && request.method() != Method::HEAD {
             return guard::response(StatusCode::METHOD_NOT_ALLOWED, TEXT, "use `GET`\n");
@@ -172,6 +175,7 @@ impl DashboardHandler {
         let session = Session {
             client: self.sessions.next.fetch_add(1, Ordering::Relaxed),
             name: from.to_string(),
+            has_logged_in: login::has_logged_in(request.headers(), &self.desk),
             settings: self.settings.clone(),
             feed: self.feed.clone(),
             desk: Arc::clone(&self.desk),
@@ -183,6 +187,21 @@ impl DashboardHandler {
         upgrade(request, place, None, |upgraded| {
             session.run(upgraded, ticker, closing)
         })
+    }
+
+    /// Lets a browser log in, whose page presents the token.
+    fn log_in(&self, request: &HttpRequest) -> HttpResponse {
+        if request.method() != Method::POST {
+            return guard::response(StatusCode::METHOD_NOT_ALLOWED, TEXT, "use `POST`\n");
+        }
+        match login::log_in(request.headers(), &self.desk) {
+            Ok(cookie) => {
+                let mut response = guard::response(StatusCode::NO_CONTENT, TEXT, "");
+                response.headers_mut().insert(SET_COOKIE, cookie);
+                response
+            }
+            Err(reason) => guard::response(StatusCode::UNAUTHORIZED, TEXT, format!("{reason}\n")),
+        }
     }
 
     /// Opens the WebSocket of a viewer.

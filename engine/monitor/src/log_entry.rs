@@ -7,10 +7,13 @@ use asmotion_coordinator::{
     BAD_REPLY_REPORT, LOSSES_REPORT, UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
 };
 use asmotion_datum::{Datum, Sample};
+use asmotion_remote::{CommandOutcome, CommandRecord};
 use asmotion_runtime::Event;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+/// Kind of the entries of commands.
+const COMMAND: &str = "command";
 /// Limit on the length of a text in an entry, in characters.
 const MAX_TEXT: usize = 400;
 /// Limit on the number of values of a message that are shown.
@@ -222,9 +225,13 @@ pub(crate) fn message(at: Time, component: &str, topic: &str, sample: &dyn Sampl
     )
 }
 
-/// Makes an entry of a command from a tab.
-pub(crate) fn command(at: Time, client: &str, text: &str) -> LogEntry {
-    entry(at, LogLevel::Notice, "command", client, text)
+/// Makes an entry of a command from outside, or of its outcome.
+pub(crate) fn command(at: Time, record: &CommandRecord) -> LogEntry {
+    let level = match record.outcome {
+        CommandOutcome::Asked | CommandOutcome::Done => LogLevel::Notice,
+        CommandOutcome::Refused | CommandOutcome::Unknown => LogLevel::Warning,
+    };
+    entry(at, level, COMMAND, &record.origin(), &record.words())
 }
 
 /// The level of a report that is worth a line.

@@ -56,8 +56,9 @@ pub(crate) enum PageRequest {
     },
     /// Asks for permission to control the system.
     Arm {
-        /// The token of the dashboard.
-        token: String,
+        /// The token of the dashboard; not needed in a browser that has logged in.
+        #[serde(default)]
+        token: Option<String>,
         /// Whether to take the permission from another tab.
         #[serde(default)]
         take: bool,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_datum::Datum;
-use asmotion_remote::{Order, OrderKind};
+use asmotion_remote::{CommandOutcome, Order, OrderKind, TabLogin};
 use hyper::upgrade::Upgraded;
 use serde_json::json;
 use tokio::sync::{mpsc, watch};
@@ -16,6 +16,7 @@ use tungstenite::Message;
 
 use crate::catalogue::SystemDescription;
 use crate::client::{Client, serve};
+use crate::command_log::CommandOrigin;
 use crate::desk::{Desk, OrderBus};
 use crate::feed::Feed;
 use crate::frame::{FrameWriter, SharedFrames};
@@ -38,6 +39,8 @@ pub(crate) struct Session {
     pub client: u64,
     /// Name of the client in the log: its address.
     pub name: String,
+    /// The browser has logged in before.
+    pub has_logged_in: bool,
     pub settings: DashboardSettings,
     pub feed: Feed,
     pub desk: Arc<Desk>,
@@ -51,6 +54,8 @@ struct SessionProgress {
     subscriptions: Subscriptions,
     writer: FrameWriter,
     interval: Duration,
+    /// How the tab proved that it knows the token.
+    login: TabLogin,
     systems: watch::Receiver<Arc<SystemDescription>>,
     replies: mpsc::Sender<String>,
 }
@@ -102,24 +107,41 @@ impl Session {
     ) {
         let (replies, replied) = mpsc::channel(MAX_ORDERS);
         let (desk, client) = (Arc::clone(&self.desk), self.client);
+        let (feed, name) = (self.feed.clone(), self.name.clone());
         let max_message = self.settings.max_message;
         let progress = SessionProgress {
             subscriptions: Subscriptions::default(),
             writer: FrameWriter::default(),
             interval: subscriptions::interval(2.0),
+            login: if self.has_logged_in {
+                TabLogin::Cookie
+            } else {
+                TabLogin::None
+            },
             systems: self.feed.systems(),
             replies,
         };
         let session = self;
         let tab = Tab { session, progress };
         serve((upgraded, max_message), tab, &ticker, replied, closing).await;
-        desk.disarm(client);
+        if desk.disarm(client) {
+            let origin = CommandOrigin {
+                client: &name,
+                tab: client,
+                login: TabLogin::None,
+            };
+            let command = feed.command(&origin, "disarm, because the tab has gone");
+            feed.command_ended(&command, CommandOutcome::Done, String::new());
+        }
     }
 
     /// The first message, with everything that changes only with the system.
     fn greeting(&self) -> String {
+        let warnings = self.feed.links().iter().filter_map(|it| it.warning.as_ref());
+        let warnings: Vec<_> = warnings.collect();
         let greeting = json!({
-            "type": "hello", "v": VERSION, "client": self.client, "control": self.desk.is_open(), "system": &*self.feed.system(),
+            "type": "hello", "v": VERSION, "client": self.client, "control": self.desk.is_open(),
+            "known": self.has_logged_in, "warnings": warnings, "system": &*self.feed.system(),
         });
         greeting.to_string()
     }
@@ -190,15 +212,13 @@ impl Session {
                 progress.writer.acknowledge(seq);
                 None
             }
-            PageRequest::Arm { token, take } => match self.desk.arm(self.client, &token, take) {
-                Ok(()) => {
-                    self.feed.command(&self.name, "armed");
-                    Some(json!({ "type": "armed" }).to_string())
-                }
-                Err(error) => Some(problem(None, &error.to_string())),
-            },
+            PageRequest::Arm { token, take } => Some(self.arm(token.as_deref(), take, progress)),
             PageRequest::Disarm => {
-                self.desk.disarm(self.client);
+                if self.desk.disarm(self.client) {
+                    let command = self.feed.command(&self.origin(progress), "disarm");
+                    self.feed
+                        .command_ended(&command, CommandOutcome::Done, String::new());
+                }
                 None
             }
             PageRequest::Order {
@@ -211,9 +231,55 @@ impl Session {
             }
             PageRequest::Publish { id, topic, value } => match self.published(&topic, &value) {
                 Ok(orders) => self.orders(id, orders, progress),
-                Err(error) => Some(problem(Some(id), &error)),
+                Err(error) => {
+                    let words = format!("publish {topic} {value}");
+                    Some(self.refusal(id, &words, &error, progress))
+                }
             },
         }
+    }
+
+    /// The tab as the origin of commands.
+    fn origin<'a>(&'a self, progress: &SessionProgress) -> CommandOrigin<'a> {
+        CommandOrigin {
+            client: &self.name,
+            tab: self.client,
+            login: progress.login,
+        }
+    }
+
+    /// Gives the tab the permission to control the system, if it knows the token or its browser has logged in. Returns the reply.
+    fn arm(&self, token: Option<&str>, take: bool, progress: &mut SessionProgress) -> String {
+        if let Some(token) = token {
+            // a token that is presented counts, even if an earlier one did
+            progress.login = if self.desk.knows(token) {
+                TabLogin::Token
+            } else {
+                TabLogin::None
+            };
+        }
+        let words = if take { "arm, take over" } else { "arm" };
+        let origin = self.origin(progress);
+        match self.desk.arm(self.client, progress.login, take) {
+            Ok(()) => {
+                let command = self.feed.command(&origin, words);
+                self.feed
+                    .command_ended(&command, CommandOutcome::Done, String::new());
+                json!({ "type": "armed" }).to_string()
+            }
+            Err(error) => {
+                let error = error.to_string();
+                self.feed.command_refused(&origin, words, &error);
+                problem(None, &error)
+            }
+        }
+    }
+
+    /// Refuses a command at once. Returns the reply.
+    fn refusal(&self, id: u64, words: &str, reason: &str, progress: &SessionProgress) -> String {
+        let origin = self.origin(progress);
+        self.feed.command_refused(&origin, words, reason);
+        problem(Some(id), reason)
     }
 
     /// The message about a moment of a run that is over.
@@ -271,63 +337,47 @@ impl Session {
 
     /// Sends orders; the reply follows when they have been carried out.
     fn orders(&self, id: u64, orders: Vec<Order>, progress: &SessionProgress) -> Option<String> {
+        let words: Vec<_> = orders.iter().map(Order::to_string).collect();
+        let words = words.join("; ");
         let bus = match self.desk.order_bus(self.client) {
             Ok(bus) => bus,
-            Err(error) => return Some(problem(Some(id), &error.to_string())),
+            Err(error) => return Some(self.refusal(id, &words, &error.to_string(), progress)),
         };
         // a place for the reply limits the orders under way
         let Ok(reply) = progress.replies.clone().try_reserve_owned() else {
-            return Some(problem(
-                Some(id),
-                "too many orders are under way: try again",
-            ));
+            let reason = "too many orders are under way: try again";
+            return Some(self.refusal(id, &words, reason, progress));
         };
-        for order in &orders {
-            self.feed.command(&self.name, &described(order));
-        }
-        let (feed, name) = (self.feed.clone(), self.name.clone());
+        let command = self.feed.command(&self.origin(progress), &words);
+        let feed = self.feed.clone();
         tokio::spawn(async move {
             let outcome = carry_out(&bus, &orders).await;
-            if let Err(error) = &outcome {
-                feed.command(&name, &format!("refused: {error}"));
-            }
+            let (ended, reason) = match &outcome {
+                Ok(()) => (CommandOutcome::Done, String::new()),
+                Err((ended, reason)) => (*ended, reason.clone()),
+            };
+            feed.command_ended(&command, ended, reason);
             reply.send(match outcome {
                 Ok(()) => json!({ "type": "done", "id": id }).to_string(),
-                Err(error) => problem(Some(id), &error),
+                Err((_, error)) => problem(Some(id), &error),
             });
         });
         None
     }
 }
 
-async fn carry_out(bus: &OrderBus, orders: &[Order]) -> Result<(), String> {
-    for order in orders {
-        bus.send(order).await?;
+async fn carry_out(bus: &OrderBus, orders: &[Order]) -> Result<(), (CommandOutcome, String)> {
+    for (done, order) in orders.iter().enumerate() {
+        let failed = |(outcome, reason)| match done {
+            0 => (outcome, reason),
+            done => {
+                let reason = format!("{done} of {} were carried out: {reason}", orders.len());
+                (CommandOutcome::Unknown, reason)
+            }
+        };
+        bus.send(order).await.map_err(failed)?;
     }
     Ok(())
-}
-
-/// An order in words, for the log.
-fn described(order: &Order) -> String {
-    let component = &order.component;
-    match &order.wish {
-        OrderKind::Configure => format!("configure {component}"),
-        OrderKind::Start => format!("start {component}"),
-        OrderKind::Stop => format!("stop {component}"),
-        OrderKind::Cleanup => format!("cleanup {component}"),
-        OrderKind::Recover => format!("recover {component}"),
-        OrderKind::Reset => format!("reset {component}"),
-        OrderKind::Set(values) => {
-            let values = values
-                .iter()
-                .map(|(name, value)| format!("{component}.{name} = {value}"));
-            format!("set {}", values.collect::<Vec<_>>().join(", "))
-        }
-        OrderKind::Write(port, value) => format!("write {component}.{port} {value}"),
-        OrderKind::State | OrderKind::Describe | OrderKind::Read(_) | OrderKind::Watch(_) => {
-            format!("ask {component}")
-        }
-    }
 }
 
 /// A message about a request that failed, or that belongs to no request.

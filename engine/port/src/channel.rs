@@ -11,6 +11,7 @@ use crate::connection_id::ConnectionId;
 use crate::loss_counter::LossCounter;
 use crate::one_thread;
 use crate::policy::{Lock, OnStale, Policy};
+use crate::queue_gauges::QueueGauges;
 use crate::sender::{AnySender, PulledSender, Stamped};
 use crate::snapshot::SampleSnapshot;
 
@@ -51,6 +52,10 @@ pub trait ChannelOpener: Send + Sync {
 
     /// The counter of the messages that are lost on the way into the port. Writers count what they drop.
     fn losses(&self) -> LossCounter;
+
+    /// Number of samples that wait in the queues of the port's connections. A connection for the newest sample alone is no queue,
+    /// and the queue of two ends in one thread is not seen from others.
+    fn waiting(&self) -> u64;
 }
 
 /// The reading end of a connection, before it is joined to the port whose [`ChannelOpener`] made it.
@@ -97,6 +102,7 @@ pub(crate) struct OpenerOf<T> {
     /// Type of the port, which of a port of data is known at run time only.
     pub schema: Arc<Schema>,
     pub losses: LossCounter,
+    pub gauges: QueueGauges,
     pub of: PhantomData<fn() -> T>,
 }
 
@@ -131,6 +137,10 @@ impl<T: Message> ChannelOpener for OpenerOf<T> {
     fn losses(&self) -> LossCounter {
         self.losses.clone()
     }
+
+    fn waiting(&self) -> u64 {
+        self.gauges.waiting()
+    }
 }
 
 impl<T: Message> OpenerOf<T> {
@@ -151,6 +161,13 @@ impl<T: Message> OpenerOf<T> {
             }
             OnStale::Hold | OnStale::NoData => None,
         };
+        let gauge = match &receiver {
+            InputReceiver::Own(receiver) => receiver.gauge(),
+            InputReceiver::Pulled(receiver) => receiver.gauge(),
+        };
+        if let Some(gauge) = gauge {
+            self.gauges.add(gauge);
+        }
         let channel = InputChannel {
             connection,
             policy: policy.clone(),

@@ -13,6 +13,7 @@ use crate::connection_id::ConnectionId;
 use crate::flow::Flow;
 use crate::loss_counter::LossCounter;
 use crate::policy::{OnStale, Policy, Sharing};
+use crate::queue_gauges::QueueGauges;
 use crate::sender::Stamped;
 use crate::snapshot::{InputSnapshot, NewestSnapshot, links_mismatch};
 use crate::time::Time;
@@ -37,6 +38,8 @@ pub struct InputPort<T> {
     losses: LossCounter,
     /// Number of these messages when the port was last frozen.
     lost: u64,
+    /// Queues of the connections, for other threads.
+    gauges: QueueGauges,
     /// Scratch buffer of `freeze`, kept to avoid allocation.
     received: Vec<(ConnectionId, Stamped<T>)>,
 }
@@ -114,6 +117,7 @@ impl<T: Message> InputPort<T> {
             too_old: 0,
             known_causes: Vec::new(),
             losses: LossCounter::default(),
+            gauges: QueueGauges::default(),
             lost: 0,
             received: Vec::new(),
         }
@@ -297,6 +301,7 @@ impl<T: Message> AnyInput for InputPort<T> {
         Arc::new(OpenerOf::<T> {
             schema: Arc::clone(&self.schema),
             losses: self.losses.clone(),
+            gauges: self.gauges.clone(),
             of: PhantomData,
         })
     }

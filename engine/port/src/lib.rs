@@ -12,6 +12,7 @@ mod loss_counter;
 mod one_thread;
 mod output;
 mod policy;
+mod queue_gauges;
 mod sender;
 mod snapshot;
 mod time;

@@ -1,6 +1,6 @@
 //! The contact of a process with others on the bus: publishes its presence and carries out their orders.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use asmotion_bus::{
@@ -10,15 +10,23 @@ use asmotion_bus::{
 use asmotion_datum::{Datum, Schema};
 use asmotion_network::RobotService;
 use asmotion_plan::{Part, Plan};
+use asmotion_component::Time;
 use asmotion_runtime::{Asked, Run};
 
 use crate::clock::{ClockOffset, ClockWatch};
+use crate::command::{CommandOutcome, CommandRecord};
 use crate::last_samples::{LastSamples, now};
 use crate::order::{Order, OrderOutcome, control_address};
 use crate::order_error::OrderErrorCode;
 use crate::presence::{RobotPresence, presence_topic};
 use crate::presence_publisher::PresencePublisher;
 use crate::robot_watch::RobotWatch;
+
+/// Limit on the commands that the owner has not taken. The newest ones are kept.
+const MAX_COMMANDS: usize = 1024;
+
+/// Limit on the length of the words of a command, in characters.
+const MAX_WORDS: usize = 400;
 
 /// Capacity of the queue of orders.
 const WAITING: usize = 16;
@@ -31,7 +39,12 @@ pub struct ProcessContact<'p> {
     bus: &'p dyn Bus,
     order_address: ServedAddress,
     /// Orders that components have not carried out yet.
-    pending_orders: Vec<(IncomingCall, Asked)>,
+    pending_orders: Vec<PendingOrder>,
+    /// Commands since the owner took them, with their times.
+    commands: VecDeque<(Time, CommandRecord)>,
+    keeps_commands: bool,
+    /// Number of commands so far.
+    command_count: u64,
     last_samples: LastSamples,
     presences: Subscription,
     /// The processes whose presence has been received, each with its incarnation and its version.
@@ -43,6 +56,13 @@ pub struct ProcessContact<'p> {
     robot_watch: Option<RobotWatch>,
     /// What is wrong with services of other robots, not yet taken by the owner.
     robot_problems: Vec<String>,
+}
+
+/// An order that a component has not carried out yet.
+struct PendingOrder {
+    call: IncomingCall,
+    asked: Asked,
+    command: CommandRecord,
 }
 
 impl<'p> ProcessContact<'p> {
@@ -71,6 +91,9 @@ impl<'p> ProcessContact<'p> {
             bus,
             order_address: bus.serve(&control_address(process), WAITING, notifier)?,
             pending_orders: Vec::new(),
+            commands: VecDeque::new(),
+            keeps_commands: true,
+            command_count: 0,
             last_samples: newest,
             known_processes: BTreeSet::from([(process.into(), incarnation, 0)]),
             clocks: ClockWatch::default(),
@@ -78,6 +101,15 @@ impl<'p> ProcessContact<'p> {
             robot_watch: None,
             robot_problems: Vec::new(),
         })
+    }
+
+    /// Keeps no commands: whoever asks over this bus notes them.
+    #[must_use]
+    pub fn without_commands(self) -> Self {
+        Self {
+            keeps_commands: false,
+            ..self
+        }
     }
 
     /// Compares services of other robots with what these announce on the bus.
@@ -94,14 +126,9 @@ impl<'p> ProcessContact<'p> {
     /// Does the work that is due: carries out orders, sends its presence to newcomers, and publishes it once a second.
     pub fn process_orders(&mut self, run: &mut dyn Run) {
         while let Some(call) = self.order_address.try_next() {
-            match self.begin(&call, run) {
-                Ok(OrderOutcome::Pending(asked)) => self.pending_orders.push((call, asked)),
-                Ok(OrderOutcome::Done(answer)) => call.reply(Ok(Payload::of(answer))),
-                Ok(OrderOutcome::Watched(port, schema)) => call.reply(self.watch(&port, &schema)),
-                Err(refusal) => call.reply(Err(refusal)),
-            }
+            self.process_order(call, run);
         }
-        self.reply_to_orders();
+        self.reply_to_orders(run.now());
         self.publish_for_new_processes();
         if let Some(robots) = &mut self.robot_watch {
             self.robot_problems.extend(robots.process());
@@ -109,17 +136,91 @@ impl<'p> ProcessContact<'p> {
         self.presence_publisher.publish_if_due(run);
     }
 
+    fn process_order(&mut self, call: IncomingCall, run: &mut dyn Run) {
+        let order = match order_of(&call) {
+            Ok(order) => order,
+            Err(refusal) => return call.reply(Err(refusal)),
+        };
+        let command = self.command_of(&order, &call);
+        let outcome = order.begin(run, &self.last_samples);
+        match outcome.map_err(|error| error.reason().refusal(error)) {
+            Ok(OrderOutcome::Pending(asked)) => {
+                self.note(run.now(), command.clone());
+                self.pending_orders.push(PendingOrder {
+                    call,
+                    asked,
+                    command,
+                });
+            }
+            Ok(OrderOutcome::Done(answer)) => {
+                if !order.wish.is_question() {
+                    let done = command.ended(CommandOutcome::Done, String::new());
+                    self.note(run.now(), done);
+                }
+                call.reply(Ok(Payload::of(answer)));
+            }
+            Ok(OrderOutcome::Watched(port, schema)) => call.reply(self.watch(&port, &schema)),
+            Err(refusal) => {
+                if !order.wish.is_question() {
+                    let reason = refusal.detail.clone();
+                    self.note(run.now(), command.ended(CommandOutcome::Refused, reason));
+                }
+                call.reply(Err(refusal));
+            }
+        }
+    }
+
+    /// The command that an order is, before it is carried out.
+    fn command_of(&mut self, order: &Order, call: &IncomingCall) -> CommandRecord {
+        self.command_count += u64::from(!order.wish.is_question());
+        CommandRecord {
+            number: self.command_count,
+            client: call.origin.source.to_string(),
+            text: order.to_string().chars().take(MAX_WORDS).collect(),
+            ..CommandRecord::default()
+        }
+    }
+
+    fn note(&mut self, at: Time, command: CommandRecord) {
+        if !self.keeps_commands {
+            return;
+        }
+        if self.commands.len() == MAX_COMMANDS {
+            self.commands.pop_front();
+        }
+        self.commands.push_back((at, command));
+    }
+
+    /// Takes the commands of others since the last call, each with the time of the run at which it was asked or had ended. Orders
+    /// that only ask for something are not among them.
+    pub fn take_commands(&mut self) -> Vec<(Time, CommandRecord)> {
+        self.commands.drain(..).collect()
+    }
+
     /// Replies to the orders that have been carried out, and drops those whose callers no longer wait.
-    fn reply_to_orders(&mut self) {
-        for (call, asked) in std::mem::take(&mut self.pending_orders) {
+    fn reply_to_orders(&mut self, now: Time) {
+        for pending in std::mem::take(&mut self.pending_orders) {
+            let PendingOrder { call, asked, command } = pending;
             match asked.try_take() {
                 Some(result) => {
+                    let (outcome, reason) = match &result {
+                        Ok(()) => (CommandOutcome::Done, String::new()),
+                        Err(error) => (CommandOutcome::Refused, error.to_string()),
+                    };
+                    self.note(now, command.ended(outcome, reason));
                     let done = result.map_err(|error| OrderErrorCode::Refused.refusal(error));
                     call.reply(done.map(|()| Payload::of(Datum::Null)));
                     self.presence_publisher.publish_soon();
                 }
-                None if call.is_awaited() => self.pending_orders.push((call, asked)),
-                None => {}
+                None if call.is_awaited() => self.pending_orders.push(PendingOrder {
+                    call,
+                    asked,
+                    command,
+                }),
+                None => {
+                    let reason = "nobody waited for it any longer".to_owned();
+                    self.note(now, command.ended(CommandOutcome::Unknown, reason));
+                }
             }
         }
     }
@@ -162,15 +263,6 @@ impl<'p> ProcessContact<'p> {
         self.presence_publisher.publish_departure();
     }
 
-    fn begin(&self, call: &IncomingCall, run: &mut dyn Run) -> Result<OrderOutcome, Refusal> {
-        let order = call.argument.to_datum();
-        let order: Order = order
-            .and_then(|order| order.to())
-            .map_err(|error| OrderErrorCode::BadRequest.refusal(error))?;
-        let outcome = order.begin(run, &self.last_samples);
-        outcome.map_err(|error| error.reason().refusal(error))
-    }
-
     /// Publishes an output for the duration of a lease. Returns the topic.
     fn watch(&self, port: &str, schema: &Schema) -> Result<Payload, Refusal> {
         let topic = watch_topic(port);
@@ -182,6 +274,14 @@ impl<'p> ProcessContact<'p> {
         watched.map_err(|error| OrderErrorCode::Refused.refusal(error))?;
         Ok(Payload::of(Datum::text(topic)))
     }
+}
+
+/// The order of a call.
+fn order_of(call: &IncomingCall) -> Result<Order, Refusal> {
+    let order = call.argument.to_datum();
+    order
+        .and_then(|order| order.to())
+        .map_err(|error| OrderErrorCode::BadRequest.refusal(error))
 }
 
 /// The topic of a watched output, for example `watch.RoverDriver.odom`.

@@ -24,6 +24,7 @@
 
 mod call;
 mod clock;
+mod command;
 mod contact;
 mod error;
 mod handle;
@@ -43,6 +44,7 @@ mod watch;
 
 pub use self::call::SendHandle;
 pub use self::clock::{CLOCK_REMEDY, CLOCK_TOLERANCE, ClockOffset, clock_offsets};
+pub use self::command::{CommandOutcome, CommandRecord, TabLogin};
 pub use self::contact::ProcessContact;
 pub use self::error::RemoteError;
 pub use self::handle::{RemoteComponent, RemoteServiceHandle};

@@ -1,5 +1,6 @@
 //! Orders: requests of others on the bus to the components of a process, as described in `docs/wire.md`.
 
+use std::fmt;
 use std::sync::Arc;
 
 use asmotion_component::Transition;
@@ -65,6 +66,51 @@ pub enum OrderOutcome {
     Done(Datum),
     /// The output `Component.port` of this type is to be published.
     Watched(String, Schema),
+}
+
+impl OrderKind {
+    /// Returns whether the order only asks for something.
+    pub fn is_question(&self) -> bool {
+        match self {
+            Self::State | Self::Describe | Self::Read(_) | Self::Watch(_) => true,
+            Self::Configure
+            | Self::Start
+            | Self::Stop
+            | Self::Cleanup
+            | Self::Recover
+            | Self::Reset
+            | Self::Set(_)
+            | Self::Write(..) => false,
+        }
+    }
+}
+
+/// The order in words, for example `set Follower.max_speed = 0.4`.
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let component = &self.component;
+        match &self.wish {
+            OrderKind::Configure => write!(f, "configure {component}"),
+            OrderKind::Start => write!(f, "start {component}"),
+            OrderKind::Stop => write!(f, "stop {component}"),
+            OrderKind::Cleanup => write!(f, "cleanup {component}"),
+            OrderKind::Recover => write!(f, "recover {component}"),
+            OrderKind::Reset => write!(f, "reset {component}"),
+            OrderKind::Set(values) => {
+                f.write_str("set ")?;
+                for (index, (name, value)) in values.iter().enumerate() {
+                    let comma = if index == 0 { "" } else { ", " };
+                    write!(f, "{comma}{component}.{name} = {value}")?;
+                }
+                Ok(())
+            }
+            OrderKind::Write(port, value) => write!(f, "write {component}.{port} {value}"),
+            OrderKind::State
+            | OrderKind::Describe
+            | OrderKind::Read(_)
+            | OrderKind::Watch(_) => write!(f, "ask {component}"),
+        }
+    }
 }
 
 impl Order {

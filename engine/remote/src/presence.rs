@@ -146,6 +146,10 @@ pub struct PresentComponent {
     pub dropped: u64,
     /// Number of messages ignored because their content was unsuitable.
     pub misfits: u64,
+    /// Number of messages that the component has taken and keeps for a later cycle, as a coordinator does for a later step; omitted
+    /// if 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub waiting: u64,
     /// Input ports, in order of declaration.
     pub inputs: Vec<PresentEndpoint>,
     /// Output ports, in order of declaration.
@@ -172,6 +176,9 @@ pub struct PresentEndpoint {
     /// Number of messages lost on the way to an input; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub lost: u64,
+    /// Number of messages that wait in the queues of an input; omitted if 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub waiting: u64,
 }
 
 #[expect(
@@ -195,6 +202,9 @@ pub struct PresentService {
     /// Number of requests refused because its queue was full; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub refused: u64,
+    /// Number of requests that wait; omitted if 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub waiting: u64,
 }
 
 /// An operation of a service.
@@ -320,6 +330,7 @@ impl PresentComponent {
                 name: port.name.clone(),
                 kind: port.schema.name.to_string(),
                 lost: 0,
+                waiting: 0,
             });
             typed.collect::<Vec<_>>()
         };
@@ -327,9 +338,15 @@ impl PresentComponent {
         for (input, lost) in inputs.iter_mut().zip(run.lost(name)) {
             input.lost = lost;
         }
+        for (input, waiting) in inputs.iter_mut().zip(run.waiting(name)) {
+            input.waiting = waiting;
+        }
         let mut services: Vec<_> = declared.services.iter().map(PresentService::of).collect();
         for (service, refused) in services.iter_mut().zip(run.refused_requests(name)) {
             service.refused = refused;
+        }
+        for (service, waiting) in services.iter_mut().zip(run.waiting_requests(name)) {
+            service.waiting = waiting;
         }
         let Losses { dropped, misfits } = run.losses(name);
         // a component in a long cycle is not asked twice; `after` fills in the previous values
@@ -360,6 +377,7 @@ impl PresentComponent {
             cycle_max_ms: milliseconds(run.cycle_time(name).longest),
             dropped,
             misfits,
+            waiting: run.waiting_inside(name),
             inputs,
             outputs: typed(&declared.outputs),
             services,
@@ -370,6 +388,7 @@ impl PresentComponent {
                     name: reference.name.clone(),
                     kind: reference.interface.clone(),
                     lost: 0,
+                    waiting: 0,
                 })
                 .collect(),
             properties: properties.unwrap_or_default(),
@@ -395,6 +414,7 @@ impl PresentService {
             interface: service.interface.clone(),
             operations: operations.collect(),
             refused: 0,
+            waiting: 0,
         }
     }
 }

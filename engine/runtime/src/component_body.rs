@@ -626,6 +626,10 @@ impl CycleHost for CycleBody<'_> {
         self.status.set_losses(losses);
     }
 
+    fn set_waiting(&mut self, count: u64) {
+        self.status.set_waiting(count);
+    }
+
     fn peer(&self, component: &str) -> Option<PeerStatus> {
         self.body.peers.find(component)
     }

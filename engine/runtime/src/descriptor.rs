@@ -84,6 +84,8 @@ pub(crate) struct ComponentStatus {
     misfits: AtomicU64,
     /// Number of samples that input ports refused for their values.
     refused: AtomicU64,
+    /// Number of messages inside the component that wait for a later cycle, as of its last cycle.
+    waiting: AtomicU64,
     /// The newest fault. The lock is held only while the fault is copied, and no successful cycle takes it.
     fault: Mutex<Option<Fault>>,
 }
@@ -121,6 +123,16 @@ impl ComponentDescriptor {
         self.queues.iter().map(|queue| queue.refused())
     }
 
+    /// Number of messages that wait in the queues of each input, by position.
+    pub(crate) fn waiting(&self) -> impl Iterator<Item = u64> {
+        self.openers.iter().map(|opener| opener.waiting())
+    }
+
+    /// Number of requests that wait for each service, by position.
+    pub(crate) fn waiting_requests(&self) -> impl Iterator<Item = u64> {
+        self.queues.iter().map(|queue| queue.waiting())
+    }
+
     /// The component's losses, including the messages lost on the way into its inputs, and refused requests.
     pub(crate) fn losses(&self) -> Losses {
         let Losses { dropped, misfits } = self.status.reported();
@@ -155,6 +167,7 @@ impl ComponentStatus {
             dropped: AtomicU64::new(0),
             misfits: AtomicU64::new(0),
             refused: AtomicU64::new(0),
+            waiting: AtomicU64::new(0),
             fault: Mutex::new(None),
         }
     }
@@ -230,6 +243,15 @@ impl ComponentStatus {
     pub(crate) fn set_losses(&self, losses: Losses) {
         self.dropped.store(losses.dropped, Ordering::Relaxed);
         self.misfits.store(losses.misfits, Ordering::Relaxed);
+    }
+
+    /// Number of messages inside the component that wait for a later cycle.
+    pub(crate) fn waiting(&self) -> u64 {
+        self.waiting.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn set_waiting(&self, count: u64) {
+        self.waiting.store(count, Ordering::Relaxed);
     }
 
     /// Counts samples that an input port refused for their values.

@@ -209,6 +209,18 @@ pub trait Run {
     /// there is no such component.
     fn refused_requests(&self, component: &str) -> Vec<u64>;
 
+    /// Number of messages that wait in the queues of each input of a component, in order of declaration; empty if there is no such
+    /// component. Asks no component. A connection for the newest sample alone is no queue, and that of two components in one thread
+    /// without synchronisation is not seen.
+    fn waiting(&self, component: &str) -> Vec<u64>;
+
+    /// Number of requests that wait for each service of a component, in order of declaration; empty if there is no such component.
+    fn waiting_requests(&self, component: &str) -> Vec<u64>;
+
+    /// Number of messages that a component has taken from its inputs and keeps for a later cycle, as of its last cycle: those of a
+    /// coordinator that wait for a step.
+    fn waiting_inside(&self, component: &str) -> u64;
+
     /// The newest fault of a component; `None` if it never failed.
     fn fault(&self, component: &str) -> Option<Fault>;
 

@@ -164,6 +164,45 @@ fn live_components_discard_them_as_simulated_ones_do() {
     assert_eq!(run.losses("Driver").dropped, 1);
 }
 
+/// Lets three commands wait for a component that is stopped, and then lets it read them. Returns how many wait each time.
+fn waiting(mut run: impl Run, ready: &Numbers) -> [Vec<u64>; 2] {
+    run.transition("Driver", Transition::Stop).unwrap();
+    ready.lock().unwrap().extend([1, 2, 3]);
+    while !ready.lock().unwrap().is_empty() {
+        run.run_for(10.ms());
+    }
+    // the cycle that writes them has ended
+    let cycles = run.cycles("Commander");
+    while run.cycles("Commander") < cycles + 2 {
+        run.run_for(10.ms());
+    }
+    let stopped = run.waiting("Driver");
+    run.transition("Driver", Transition::Start).unwrap();
+    let cycles = run.cycles("Driver");
+    while run.cycles("Driver") < cycles + 2 {
+        run.run_for(10.ms());
+    }
+    [stopped, run.waiting("Driver")]
+}
+
+#[test]
+fn messages_that_wait_for_a_component_are_counted_also_in_other_threads() {
+    for (policy, expected) in [
+        (Policy::buffer(8), 3),
+        (Policy::circular(2), 2),
+        // the newest message alone is no queue
+        (Policy::data(), 0),
+    ] {
+        let mut bench = Bench::new(true, &policy);
+        let run = std::mem::take(&mut bench.system).simulate();
+        let expected = [vec![expected; 2], vec![0; 2]];
+        assert_eq!(waiting(run, &bench.ready), expected, "{policy:?}");
+        let mut bench = Bench::new(true, &policy);
+        let run = std::mem::take(&mut bench.system).live();
+        assert_eq!(waiting(run, &bench.ready), expected, "{policy:?}");
+    }
+}
+
 #[test]
 fn a_component_sees_the_state_of_another_one_and_whether_it_reaches_what_it_stands_for() {
     let seen = Arc::<Mutex<Vec<Option<PeerStatus>>>>::default();

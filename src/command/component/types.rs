@@ -103,6 +103,7 @@ mod tests {
                 name: name.to_owned(),
                 kind: kind.to_owned(),
                 lost: 0,
+                waiting: 0,
             })
         };
         assert_eq!(port("goal", ""), "{width: float64}");

@@ -1,8 +1,10 @@
 //! Prints the results of replays for people.
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 use asmotion_recording::{InputChange, LocationWriter};
+use asmotion_remote::{CommandOutcome, CommandRecord, TabLogin};
 
 use super::outcome::{
     CoordinatorOutcome, Explained, ReachedState, RecordingOutcome, ReplayVerdict,
@@ -11,6 +13,9 @@ use super::words::{self, seconds, step};
 use crate::numbers::counted;
 use crate::show;
 use crate::terminal::{BAD, FAINT, GOOD, NAME, NOTE, TerminalOutput};
+
+/// Limit on the commands of a recording that are printed.
+const MOST_COMMANDS: usize = 20;
 
 /// Prints all results and a summary.
 pub fn print(outcomes: &[RecordingOutcome], wall: Duration, terminal: &mut TerminalOutput) {
@@ -64,8 +69,35 @@ fn print_recording(outcome: &RecordingOutcome, terminal: &mut TerminalOutput) {
     for (name, one) in &outcome.coordinators {
         print_coordinator(name, one, terminal);
     }
+    print_commands(outcome, terminal);
     if let Some(missing) = outcome.missing().filter(|_| outcome.failure.is_none()) {
         terminal.result(format_args!("  {BAD}INCOMPLETE{BAD:#} {missing}"));
+    }
+}
+
+/// Prints what others asked of the system: where it came from, and what became of it.
+fn print_commands(outcome: &RecordingOutcome, terminal: &mut TerminalOutput) {
+    let key = |it: &CommandRecord| (it.number, it.client.clone(), it.tab);
+    let is_open = |it: &CommandRecord| it.outcome == CommandOutcome::Asked;
+    let commands = outcome.commands.iter();
+    let ended = commands.filter(|(_, it)| !is_open(it));
+    let ended: BTreeSet<_> = ended.map(|(_, it)| key(it)).collect();
+    // the record of its outcome says what was asked
+    let commands = outcome.commands.iter();
+    let shown = commands.filter(|(_, it)| !is_open(it) || !ended.contains(&key(it)));
+    let shown: Vec<_> = shown.collect();
+    for (at, command) in shown.iter().take(MOST_COMMANDS) {
+        let login = match command.login {
+            TabLogin::None => String::new(),
+            login @ (TabLogin::Cookie | TabLogin::Token) => format!(" ({login})"),
+        };
+        let (at, from) = (seconds(at.nanos()), command.origin());
+        let words = command.words();
+        terminal.result(format_args!("  command    {at}, {from}{login}: {words}"));
+    }
+    if let Some(more) = shown.len().checked_sub(MOST_COMMANDS).filter(|it| *it > 0) {
+        let more = counted(more as u64, "more command");
+        terminal.result(format_args!("  {FAINT}and {more}: `--json` has all{FAINT:#}"));
     }
 }
 

@@ -11,13 +11,20 @@ use super::outcome::{CoordinatorOutcome, Explained, ReachedState, RecordingOutco
 use super::words;
 use crate::terminal::TerminalOutput;
 
-/// Prints an object for each coordinator and each unusable recording, and one for the result.
+/// Prints an object for each command, each coordinator and each unusable recording, and one for the result.
 pub fn print(outcomes: &[RecordingOutcome], wall: Duration, terminal: &mut TerminalOutput) {
     for outcome in outcomes {
         let path = outcome.path.display().to_string();
         if let Some(failure) = &outcome.failure {
             terminal.result(json!({
                 "type": "recording", "v": 1, "path": path, "result": outcome.verdict().word(), "reason": failure,
+            }));
+        }
+        for (at, command) in &outcome.commands {
+            terminal.result(json!({
+                "type": "command", "v": 1, "path": path, "time_s": at.seconds(), "number": command.number, "client": command.client,
+                "tab": command.tab, "login": command.login, "text": command.text, "outcome": command.outcome,
+                "reason": command.reason,
             }));
         }
         for (name, one) in &outcome.coordinators {

@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use asmotion_component::Time;
 use asmotion_recording::{InputChange, LocationWriter, ReplayCounts, StepDifference};
 
 use super::export::Exported;
+use asmotion_remote::CommandRecord;
+
 use crate::exit::Exit;
 
 /// The verdict about a replay. Of several, the greatest one counts.
@@ -50,6 +53,8 @@ pub struct RecordingOutcome {
     pub path: PathBuf,
     /// Facts about the run.
     pub facts: BTreeMap<String, String>,
+    /// What others asked of the system, and what became of it, by time.
+    pub commands: Vec<(Time, CommandRecord)>,
     /// Its coordinators, by name.
     pub coordinators: BTreeMap<String, CoordinatorOutcome>,
     /// The reason that nothing of it was compared.

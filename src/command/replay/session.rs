@@ -5,15 +5,20 @@ use std::path::Path;
 use std::rc::Rc;
 
 use asmotion_diagnostics::{or_did_you_mean, similar};
+use asmotion_component::Time;
 use asmotion_lang::simulate;
 use asmotion_recording::{
     ChainedCycle, CoordinatorReplay, EditedSpecification, FileEnd, RecordingItem, ReplayOptions,
     RunFiles, SourceTexts,
 };
+use asmotion_remote::CommandRecord;
 
 use super::export::{Export, ExportFormat};
 use super::outcome::{CoordinatorOutcome, Explained, ReachedState, RecordingOutcome};
 use super::stop::StopPoint;
+
+/// Channel of a recording with what others asked of the system.
+const COMMANDS: &str = "commands";
 
 /// Options of the replay of a recording.
 #[derive(Clone, Copy)]
@@ -53,6 +58,8 @@ struct ReadRecording {
     known: BTreeMap<String, String>,
     end: Option<FileEnd>,
     cut: Option<String>,
+    /// What others asked of the system, in the order of the file.
+    commands: Vec<(Time, CommandRecord)>,
 }
 
 impl ReplaySession<'_> {
@@ -107,7 +114,14 @@ impl ReplaySession<'_> {
                         break;
                     }
                 }
-                RecordingItem::Message { .. } => {}
+                RecordingItem::Message { channel, at, data } => {
+                    if channel == COMMANDS
+                        && let Ok(record) = data.datum()
+                        && let Ok(command) = record.to::<CommandRecord>()
+                    {
+                        read.commands.push((at, command));
+                    }
+                }
                 RecordingItem::End(end) => read.end = Some(end),
                 RecordingItem::Cut(reason) => read.cut = Some(reason),
             }
@@ -214,7 +228,13 @@ impl ReplaySession<'_> {
     }
 
     fn outcome(self, files: &RunFiles, read: ReadRecording) -> RecordingOutcome {
-        let ReadRecording { open, end, cut, .. } = read;
+        let ReadRecording {
+            open,
+            end,
+            cut,
+            commands,
+            ..
+        } = read;
         let failure = read_failure(&end, &cut);
         let end = end.filter(|_| failure.is_none());
         let mut outcome = RecordingOutcome {
@@ -222,6 +242,7 @@ impl ReplaySession<'_> {
             facts: files.facts.clone(),
             cut: failure,
             lost: end.as_ref().map_or(0, |end| end.lost),
+            commands: self.commands(commands, &open),
             ..RecordingOutcome::default()
         };
         for (name, mut one) in open {
@@ -236,6 +257,20 @@ impl ReplaySession<'_> {
                 .insert(name, self.coordinator(one, lost));
         }
         outcome
+    }
+
+    /// The commands up to the point at which the replay stops, by time.
+    fn commands(
+        self,
+        mut commands: Vec<(Time, CommandRecord)>,
+        open: &BTreeMap<String, OpenCoordinator>,
+    ) -> Vec<(Time, CommandRecord)> {
+        if self.until.is_some() {
+            let last_ns = open.values().map(|one| one.last_ns).max().unwrap_or(0);
+            commands.retain(|(at, _)| at.nanos() <= last_ns);
+        }
+        commands.sort_by_key(|(at, _)| *at);
+        commands
     }
 
     fn coordinator(self, one: OpenCoordinator, lost: u64) -> CoordinatorOutcome {

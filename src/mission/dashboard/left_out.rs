@@ -2,7 +2,9 @@
 
 use asmotion_assembly::reconfigure::Version;
 use asmotion_bus::LocalBus;
+use asmotion_component::Time;
 use asmotion_plan::{Part, Plan};
+use asmotion_remote::CommandRecord;
 use asmotion_runtime::System;
 
 use super::MissionDashboard;
@@ -34,6 +36,16 @@ impl OpenDashboard {
 
     /// Never called: there is no dashboard.
     pub(in crate::mission) fn process(&mut self) {
+        match *self {}
+    }
+
+    /// Never called: there is no dashboard.
+    pub(in crate::mission) fn take_commands(&self) -> Vec<(Time, CommandRecord)> {
+        match *self {}
+    }
+
+    /// Never called: there is no dashboard.
+    pub(in crate::mission) fn show_commands(&self, _: &[(Time, CommandRecord)]) {
         match *self {}
     }
 

@@ -4,12 +4,13 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use asmotion_assembly::reconfigure::Version;
+use asmotion_component::Time;
 use asmotion_bus::{Bus, BusError, LocalBus, Notifier, Pattern, QueuePolicy, Subscription};
 use asmotion_monitor::{
     BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
 };
 use asmotion_plan::{Part, Plan};
-use asmotion_remote::{RobotPresence, presence_topic};
+use asmotion_remote::{CommandRecord, RobotPresence, presence_topic};
 use asmotion_runtime::System;
 
 use super::MissionDashboard;
@@ -69,6 +70,7 @@ impl OpenDashboard {
         };
         let links = brokers.iter().map(|it| BusLink {
             name: it.location.clone(),
+            warning: it.warning.clone(),
             bus: Arc::clone(&it.bus),
         });
         let source = MonitorSource::new(description, Some(orders), links.collect());
@@ -103,6 +105,18 @@ impl OpenDashboard {
             if let Some(RobotPresence { presence, .. }) = RobotPresence::of(&envelope) {
                 self.feed.describe(presence);
             }
+        }
+    }
+
+    /// Takes what tabs have asked for, and what became of it.
+    pub(in crate::mission) fn take_commands(&self) -> Vec<(Time, CommandRecord)> {
+        self.feed.take_commands()
+    }
+
+    /// Shows what others than tabs have asked for.
+    pub(in crate::mission) fn show_commands(&self, commands: &[(Time, CommandRecord)]) {
+        for (at, command) in commands {
+            self.feed.show_command(*at, command);
         }
     }
 

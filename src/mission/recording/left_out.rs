@@ -2,7 +2,8 @@
 
 use asmotion_component::Time;
 use asmotion_plan::{Opened, Plan};
-use asmotion_runtime::System;
+use asmotion_remote::CommandRecord;
+use asmotion_runtime::{Run, System};
 
 use super::{RecordedMission, RecordingResult};
 use crate::feature::{LeftOut, Mcap};
@@ -35,6 +36,12 @@ impl MissionRecorder {
 
     /// Nothing is recorded.
     pub fn follow(&mut self, _: Time, _: &Opened, _: &Plan) {}
+
+    /// Nothing is recorded.
+    pub fn commands(&mut self, _: &[(Time, CommandRecord)]) {}
+
+    /// Nothing is recorded.
+    pub fn queues(&mut self, _: &dyn Run) {}
 
     /// Nothing is recorded.
     pub fn finish(self) -> Option<RecordingResult> {

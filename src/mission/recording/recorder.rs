@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use asmotion_component::Time;
 use asmotion_datum::Schema;
 use asmotion_plan::{Opened, Plan, RecordReaders};
 use asmotion_recording::{Overflow, RecorderOptions, RecordingFile, RecordingProfile, RunRecorder};
-use asmotion_runtime::System;
+use asmotion_remote::CommandRecord;
+use asmotion_runtime::{Run, System};
 
 use super::{RecordedMission, RecordingResult};
 use crate::mission::message_types::port_types;
@@ -21,7 +22,14 @@ pub(in crate::mission) struct MissionRecorder {
     failure: Option<String>,
     /// Number of versions of the composite after the first one.
     followed: u32,
+    /// Messages that waited when this was last recorded.
+    waiting: BTreeMap<String, u64>,
+    /// Time at which they are counted next.
+    next_count: Time,
 }
+
+/// Interval at which the messages that wait are counted.
+const COUNT: Duration = Duration::from_secs(1);
 
 /// Bytes of a megabyte, the unit of `rotate_mb`.
 const MEGABYTE: u64 = 1_000_000;
@@ -69,6 +77,33 @@ impl MissionRecorder {
         recorder.follow(at, texts.collect(), types(plan));
     }
 
+    /// Records what others asked of the system.
+    pub fn commands(&mut self, commands: &[(Time, CommandRecord)]) {
+        let Some(recorder) = &self.recorder else {
+            return;
+        };
+        for (at, command) in commands {
+            // every record is representable
+            if let Ok(command) = serde_json::to_value(command) {
+                recorder.command(*at, &command);
+            }
+        }
+    }
+
+    /// Counts the messages that wait, once a second, and records them if they are others than before.
+    pub fn queues(&mut self, run: &dyn Run) {
+        let now = run.now();
+        let Some(recorder) = self.recorder.as_ref().filter(|_| now >= self.next_count) else {
+            return;
+        };
+        self.next_count = now + COUNT;
+        let waiting = waiting(run);
+        if waiting != self.waiting {
+            recorder.queues(now, &waiting);
+            self.waiting = waiting;
+        }
+    }
+
     /// Ends the recording, after the system.
     pub fn finish(self) -> Option<RecordingResult> {
         let Some(recorder) = self.recorder else {
@@ -90,6 +125,28 @@ impl MissionRecorder {
             unmatched,
         })
     }
+}
+
+/// The inputs, services and components at which messages wait, with their numbers.
+fn waiting(run: &dyn Run) -> BTreeMap<String, u64> {
+    let mut all = BTreeMap::new();
+    for component in run.components() {
+        let Some(declared) = run.declaration(&component) else {
+            continue;
+        };
+        let inputs = declared.inputs.iter().map(|it| &it.name);
+        let services = declared.services.iter().map(|it| &it.name);
+        let counts = inputs
+            .zip(run.waiting(&component))
+            .chain(services.zip(run.waiting_requests(&component)));
+        let counts = counts.map(|(end, count)| (format!("{component}.{end}"), count));
+        all.extend(counts.filter(|(_, count)| *count > 0));
+        let inside = run.waiting_inside(&component);
+        if inside > 0 {
+            all.insert(component, inside);
+        }
+    }
+    all
 }
 
 impl RecordedMission<'_> {

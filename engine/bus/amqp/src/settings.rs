@@ -1,6 +1,7 @@
 //! Settings of a bus: broker, credentials, timing.
 
 use std::fmt;
+use std::net::{IpAddr, ToSocketAddrs};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,6 +9,9 @@ use std::time::Duration;
 use crate::names::LONGEST;
 use crate::notice::BusNotice;
 use crate::tls::TlsSettings;
+
+/// User and password with which RabbitMQ is installed.
+const GUEST: &str = "guest";
 
 /// Settings of a bus. [`parse`](Self::parse) sets all of them from an address and defaults.
 #[derive(Clone)]
@@ -208,7 +212,7 @@ impl AmqpSettings {
                     place,
                 )
             }
-            None => (Credentials::new("guest", "guest"), authority),
+            None => (Credentials::new(GUEST, GUEST), authority),
         };
         let (host, port) = match place.rsplit_once(':') {
             Some((host, port)) => (host, port.parse().map_err(|_| wrong("invalid port"))?),
@@ -240,6 +244,37 @@ impl AmqpSettings {
     /// Returns the broker's address without credentials.
     pub fn location(&self) -> String {
         format!("{}:{}/{}", self.host, self.port, self.vhost)
+    }
+
+    /// Why the login is dangerous: it is RabbitMQ's default one, `guest` with the password `guest`, which everybody knows, and the
+    /// broker is on another machine. `None` for other logins, and for a broker on this machine. The name of the host is resolved for
+    /// this, which can take as long as a connection.
+    pub fn login_warning(&self) -> Option<String> {
+        if self.credentials != Credentials::new(GUEST, GUEST) || self.is_on_this_machine() {
+            return None;
+        }
+        let (location, vhost) = (self.location(), &self.vhost);
+        Some(format!(
+            "the login at the broker {location} is `guest` with the password `guest`, which everybody knows: whoever reaches the \
+             broker controls the robot. `rabbitmqctl add_user NAME PASSWORD` and `rabbitmqctl set_permissions -p {vhost} NAME '.*' '.*' '.*'` \
+             make another one for the address `amqp://NAME@…`, and `rabbitmqctl delete_user guest` removes this one"
+        ))
+    }
+
+    /// Returns whether the host is this machine: an address of a loopback interface, or a name that only has such addresses.
+    fn is_on_this_machine(&self) -> bool {
+        let host = self.host.trim_start_matches('[').trim_end_matches(']');
+        if let Ok(address) = host.parse::<IpAddr>() {
+            return address.to_canonical().is_loopback();
+        }
+        if host.eq_ignore_ascii_case("localhost") {
+            return true;
+        }
+        let addresses: Vec<_> = match (host, self.port).to_socket_addrs() {
+            Ok(addresses) => addresses.collect(),
+            Err(_) => return false,
+        };
+        !addresses.is_empty() && addresses.iter().all(|it| it.ip().is_loopback())
     }
 
     /// Name of the direct exchange for requests.
@@ -307,6 +342,33 @@ mod tests {
             "amqp://h/%2",
         ] {
             assert!(AmqpSettings::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_default_login_is_dangerous_at_a_broker_on_another_machine() {
+        let warning = |address: &str| AmqpSettings::parse(address).unwrap().login_warning();
+        for address in [
+            "amqp://192.0.2.7",
+            "amqp://guest:guest@192.0.2.7:5673/cell",
+            "amqps://guest:guest@[2001:db8::1]:5671",
+            "amqp://guest:guest@127.0.0.1.invalid",
+        ] {
+            let warning = warning(address).expect(address);
+            assert!(warning.contains("rabbitmqctl add_user"), "{warning}");
+        }
+        let cell = warning("amqp://192.0.2.7:5673/cell").unwrap();
+        assert!(cell.contains("192.0.2.7:5673/cell") && cell.contains("-p cell NAME"));
+        for address in [
+            "amqp://127.0.0.1",
+            "amqp://guest:guest@127.8.9.1",
+            "amqp://[::1]:5672",
+            "amqp://[::ffff:127.0.0.1]:5672",
+            "amqp://LocalHost",
+            "amqp://guest:other@192.0.2.7",
+            "amqp://ann:guest@192.0.2.7",
+        ] {
+            assert_eq!(warning(address), None, "{address}");
         }
     }
 

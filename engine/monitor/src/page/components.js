@@ -110,7 +110,7 @@ export class Components {
     const sources = input ? [name, ...writersOf(store, name)] : [name];
     const outputs = sources.map((it) => store.output.get(it)).filter((it) => it?.n);
     const output = outputs.sort((one, other) => (store.age(one.name) ?? Infinity) - (store.age(other.name) ?? Infinity))[0];
-    const words = [outputs.length === 1 && output.hz ? `${output.hz.toFixed(1)} Hz` : "", outputs.length === 1 && traffic(output) ? perSecond(traffic(output)) : "", input?.lost ? `${input.lost} lost` : ""].filter(Boolean);
+    const words = [outputs.length === 1 && output.hz ? `${output.hz.toFixed(1)} Hz` : "", outputs.length === 1 && traffic(output) ? perSecond(traffic(output)) : "", input?.waiting ? `▤ ${input.waiting} wait` : "", input?.lost ? `${input.lost} lost` : ""].filter(Boolean);
     text(rate, words.join(", ") || "–");
     const now = output ? store.age(output.name) : null;
     text(age, now === null ? "never" : `${(now / 1000).toFixed(1)} s`);

@@ -10,7 +10,12 @@ export class Control {
     this.shown = "";
     /** What happened to the last order. */
     this.outcome = { text: "", bad: false };
-    link.onarmed = (problem) => { if (problem) this.say(problem, true); };
+    link.onarmed = (problem) => {
+      if (!problem) return;
+      // a token of an earlier run is of no use any more
+      if (problem.includes("token")) this.token = null;
+      this.say(problem, true);
+    };
   }
 
   /** Whether this tab may control the system now. */
@@ -22,11 +27,14 @@ export class Control {
     if (this.store.recording) return "a recording cannot be controlled";
     if (this.store.end !== null) return "the run has ended";
     if (this.store.permission === "view") return "started without --control";
-    if (!this.token) return "this tab has no token: open the printed address";
+    if (!this.isKnown) return "this browser has not logged in to this run: open the printed address";
     return "arm this tab first";
   }
 
-  arm(take) { this.link.send({ type: "arm", token: this.token, take }); }
+  /** Whether this tab may be armed: its browser has logged in, or it has the token. */
+  get isKnown() { return this.store.known || !!this.token; }
+
+  arm(take) { this.link.send(this.token ? { type: "arm", token: this.token, take } : { type: "arm", take }); }
 
   say(words, bad = false) { this.outcome = { text: words, bad }; this.shown = ""; }
 
@@ -46,7 +54,7 @@ export class Control {
   draw(place, off) {
     const permission = this.store.permission;
     const left = typeof permission === "object" ? permission.armed_s : null;
-    const state = JSON.stringify([off, left, permission, this.outcome]);
+    const state = JSON.stringify([off, left, permission, this.isKnown, this.outcome]);
     if (state === this.shown) return;
     this.shown = state;
     const button = (words, action, kind = "") => el("button", { type: "button", class: kind, disabled: off, onclick: action }, words);
@@ -56,7 +64,7 @@ export class Control {
       const time = `${Math.floor(left / 60)}:${String(left % 60).padStart(2, "0")}`;
       parts.push(el("span", { class: "chip armed", id: "armed" }, `CONTROL ARMED ${time}`));
       parts.push(button("Disarm", () => this.link.send({ type: "disarm" })));
-    } else if (!this.token) parts.push(el("span", { class: "chip", title: this.reason }, "view only (no token)"));
+    } else if (!this.isKnown) parts.push(el("span", { class: "chip", title: this.reason }, "view only (not logged in)"));
     else if (permission === "held") {
       parts.push(el("span", { class: "chip note" }, "another tab is armed"));
       parts.push(button("Take over", () => this.arm(true), "danger"));

@@ -39,20 +39,20 @@ export function className(element, value) {
  * @param {(element: any, item: any) => void} update */
 export function list(parent, items, key, make, update) {
   const known = parent["known"] ?? (parent["known"] = new Map());
-  const seen = new Set();
+  const names = items.map(key), wanted = new Set(names);
+  // at first, so that those that stay need not be moved, which would take the focus from them
+  for (const [name, element] of known) {
+    if (!wanted.has(name)) { element.remove(); known.delete(name); }
+  }
   let place = parent.firstChild;
-  for (const item of items) {
-    const name = key(item);
-    if (seen.has(name)) continue;
-    seen.add(name);
+  for (const [index, item] of items.entries()) {
+    const name = names[index];
+    if (!wanted.delete(name)) continue;
     let element = known.get(name);
     if (!element) known.set(name, (element = make(item)));
     update(element, item);
     if (element === place) place = place.nextSibling;
     else parent.insertBefore(element, place);
-  }
-  for (const [name, element] of known) {
-    if (!seen.has(name)) { element.remove(); known.delete(name); }
   }
 }
 

@@ -3,9 +3,12 @@
 
 /** @typedef {{ level: string, text: string, component?: string }} Finding */
 
+/** Number of messages that wait from which this is a finding. */
+const MANY = 10;
+
 /** What is wrong at the shown time, the worst first. @param {import("./store.js").Store} store @returns {Finding[]} */
 export function findings(store) {
-  const all = [...links(store), ...components(store), ...silent(store), ...unpublished(store)];
+  const all = [...links(store), ...store.warnings.map((text) => ({ level: "bad", text })), ...components(store), ...silent(store), ...unpublished(store)];
   if (store.lost) all.push({ level: "note", text: `${store.lost} events were not observed: the machine is overloaded` });
   const order = ["bad", "note", "hint"];
   return all.sort((one, other) => order.indexOf(one.level) - order.indexOf(other.level));
@@ -32,8 +35,10 @@ function components(store) {
     if (it.late) add("note", `${it.name}: ${counted(it.late, "cycle")} exceeded the deadline`);
     if (it.overruns) add("note", `${it.name} has missed ${counted(it.overruns, "period")}`);
     for (const input of it.inputs) {
+      if (input.waiting >= MANY) add("note", `${counted(input.waiting, "message")} wait at ${it.name}.${input.name}: it reads them more slowly than they are written`);
       if (input.lost) add("note", `${it.name}.${input.name} has lost ${counted(input.lost, "message")}`);
     }
+    if (it.waiting >= MANY) add("note", `${counted(it.waiting, "event")} wait in ${it.name} for a later step`);
     if (it.misfits) add("note", `${it.name} has ignored ${counted(it.misfits, "message")} with unsuitable content`);
     const inspection = new Map(it.inspection);
     const unheard = inspection.get("silent") ?? [];

@@ -28,20 +28,23 @@ export class Graph {
     const { store } = this.app;
     const links = new Map();
     const of = (end) => end.slice(0, end.lastIndexOf("."));
-    const add = (from, to, output, isCall = false) => {
+    const waiting = new Map(store.components.flatMap((it) => [...it.inputs, ...it.services].map((end) => [`${it.name}.${end.name}`, end.waiting ?? 0])));
+    const add = (from, to, output, input, isCall = false) => {
       if (from === to) return;
       const key = `${from}>${to}`;
-      const link = links.get(key) ?? { key, from, to, outputs: new Set(), calls: 0 };
+      const link = links.get(key) ?? { key, from, to, outputs: new Set(), calls: 0, inputs: new Map() };
+      // what waits there has come from any of its writers
+      if (waiting.get(input)) link.inputs.set(input, waiting.get(input));
       if (isCall) link.calls++; else link.outputs.add(output);
       links.set(key, link);
     };
     const references = new Set(store.components.flatMap((it) => it.references.map((reference) => `${it.name}.${reference.name}`)));
     const known = new Set(store.components.map((it) => it.name));
     for (const { from, to } of store.presence?.joined ?? []) {
-      if (known.has(of(from)) && known.has(of(to))) add(of(from), of(to), from, references.has(from));
+      if (known.has(of(from)) && known.has(of(to))) add(of(from), of(to), from, to, references.has(from));
     }
     for (const topic of store.presence?.topics ?? []) {
-      for (const from of topic.publishers) for (const to of topic.subscribers) add(of(from), of(to), from);
+      for (const from of topic.publishers) for (const to of topic.subscribers) add(of(from), of(to), from, to);
     }
     return [...links.values()];
   }
@@ -69,7 +72,8 @@ export class Graph {
       const rate = it.rate_hz > 0 ? `${it.rate_hz.toFixed(0)} Hz` : asked;
       const took = it.cycle_mean_ms ? `  ${it.cycle_mean_ms.toFixed(2)} ms` : "";
       text(node.children[3], isUp ? stale ? `⚠ silent  ${rate}` : `${inside ? `${shortened(inside, 10)} · ` : ""}${rate}${took}` : `⚠ ${it.state}`);
-      text(node.children[4], missing.has(it.name) ? `○ ${shortened(missing.get(it.name), 26)}` : "");
+      const held = it.waiting ? `▤ ${it.waiting} for later steps` : "";
+      text(node.children[4], missing.has(it.name) ? `○ ${shortened(missing.get(it.name), 26)}` : held);
     });
   }
 
@@ -133,21 +137,24 @@ export class Graph {
     });
     const amount = outputs.reduce((sum, output) => sum + (output.stale ? 0 : traffic(output)), 0);
     const bytes = amount ? perSecond(amount) : "";
+    const waiting = [...it.inputs.values()].reduce((sum, count) => sum + count, 0);
+    const queue = waiting ? `▤ ${waiting}` : "";
     if (it.calls) words.push("calls");
-    text(edge.children[0], `${it.from} → ${it.to}\n${outputs.map((output, index) => `${words[index]}${traffic(output) ? `, ${perSecond(traffic(output))}` : ""}${age(output)}`).join("\n")}${it.calls ? "\ncalls" : ""}`);
+    text(edge.children[0], `${it.from} → ${it.to}\n${outputs.map((output, index) => `${words[index]}${traffic(output) ? `, ${perSecond(traffic(output))}` : ""}${age(output)}`).join("\n")}${it.calls ? "\ncalls" : ""}${[...it.inputs].map(([input, count]) => `\n${count} waiting at ${input}`).join("")}`);
     edge.children[1].setAttribute("d", path);
     const [label, size] = [edge.children[2], edge.children[3]];
     const onPath = it.from === chosen || it.to === chosen;
     const worst = words.find((it) => it.includes("⚠")) ?? words[0] ?? "";
     const all = words.length > 1 ? `${worst} +${words.length - 1}` : worst;
-    const [column, row] = this.free(tx === x ? x + WIDTH / 2 + 30 : (sx + ex) / 2, (y + ty) / 2 - 3 + (back ? 28 : 0), all, bytes ? 20 : 10);
+    const [column, row] = this.free(tx === x ? x + WIDTH / 2 + 30 : (sx + ex) / 2, (y + ty) / 2 - 3 + (back ? 28 : 0), all, bytes || queue ? 20 : 10);
     label.setAttribute("x", String(column));
     label.setAttribute("y", String(row));
     size.setAttribute("x", String(column));
     size.setAttribute("y", String(row + 11));
-    text(size, bytes);
+    text(size, [bytes, queue].filter(Boolean).join("  "));
+    className(size, `bytes ${queue ? "queue" : ""}`);
     text(label, all.length > LABEL ? `${all.slice(0, LABEL - 1)}…` : all);
-    className(edge, `edge ${broken ? "broken" : ""} ${onPath ? "chosen" : ""}`);
+    className(edge, `edge ${broken ? "broken" : ""} ${queue ? "waits" : ""} ${onPath ? "chosen" : ""}`);
   }
 }
 

@@ -15,6 +15,8 @@ export class Joints {
     this.output = null;
     this.tabs = el("div", { class: "bar", role: "tablist", "aria-label": "Joints" });
     this.select = el("select", { "aria-label": "Signal of all joints", onchange: () => { this.signal = this.select.value; this.build(); } }, SIGNALS.map(([name]) => el("option", {}, name)));
+    /** The arm, if there are several: the output with its status. */
+    this.arms = el("select", { id: "arm", "aria-label": "Arm", onchange: () => { this.period.value = ""; app.redraw(); } });
     this.spans = el("select", { "aria-label": "Shown time", onchange: () => { this.span = Number(this.spans.value); app.range = null; app.redraw(); } }, [10, 30, 60, 120].map((it) => el("option", { value: it, selected: it === 30 }, `${it} s`)));
     this.period = el("input", { id: "period", size: 6, inputmode: "decimal", value: "", "aria-label": "Period of the driver, ms" });
     this.apply = el("button", { type: "button", id: "apply", class: "primary", onclick: () => this.setPeriod() }, "Apply");
@@ -25,7 +27,7 @@ export class Joints {
     this.charts = el("div", { class: "charts" });
     const head = el("tr", {}, ["joint", ...SIGNALS.map(([name, unit]) => `${name}, ${unit}`), "flags"].map((name, index) => el("th", { class: index && index < 5 ? "number" : "" }, name)));
     const control = app.store.recording ? [] : [el("label", {}, "driver period, ms ", this.period), this.apply];
-    const driver = [this.badge, el("span", { class: "grow" }), ...control, el("span", {}, "measured ", this.measured)];
+    const driver = [this.arms, this.badge, el("span", { class: "grow" }), ...control, el("span", {}, "measured ", this.measured)];
     this.empty = el("p", { class: "empty" }, "No output of the type youbot/JointStatus has written anything.");
     this.root = el("div", { class: "grid joints" }, panel("Joints", "joints-panel", driver, this.empty, el("div", { class: "body" }, el("table", { id: "joints" }, el("thead", {}, head), this.body))),
       el("div", { class: "bar" }, this.tabs, this.select, this.spans, el("span", { class: "faint" }, "click: all views show this time · drag: a range"), el("button", { type: "button", onclick: () => this.export() }, "CSV of what is shown"), app.store.recording ? null : el("button", { type: "button", onclick: () => this.clear() }, "Clear history")), this.charts);
@@ -89,7 +91,12 @@ export class Joints {
 
   draw(now, texts) {
     const { store } = this.app;
-    this.output = store.ofType(TYPE)[0] ?? null;
+    const arms = store.ofType(TYPE);
+    list(this.arms, arms, (it) => it, (it) => el("option", { value: it }, it.slice(0, it.lastIndexOf("."))), () => {});
+    this.arms.hidden = arms.length < 2;
+    const output = arms.includes(this.arms.value) ? this.arms.value : arms[0] ?? null;
+    // the charts of another arm are others
+    if (output !== this.output) { this.output = output; this.count = 0; }
     const sample = this.output && store.samples.get(this.output);
     this.empty.hidden = !!sample;
     if (!sample) return;

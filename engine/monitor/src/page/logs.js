@@ -6,8 +6,8 @@ import { LogList } from "./log_list.js";
 
 export class Logs {
   constructor(app) {
-    this.log = new LogList(app, { limit: 500, filtered: true, levels: true });
-    this.root = el("div", { class: "grid" }, panel("Log", "log-panel", this.log.tools, this.log.root));
+    this.log = new LogList(app, { levels: true });
+    this.root = el("div", { class: "grid" }, panel("Log", "log-panel", this.log.tools, this.log.root, this.log.detail));
   }
 
   streams() { return []; }

@@ -45,15 +45,15 @@ const views = [
 let current = views[0];
 let lastTexts = 0, lastHappened = 0, forced = true, pausedAt = 0;
 
-/** The token from the address, which then disappears from it. The part behind `#` is sent to no server, and the storage of the
- * tab belongs to this server alone. */
+/** The token from the address, which then disappears from it. The part behind `#` is sent to no server. The token becomes a cookie,
+ * which no script reads, and otherwise stays in this variable: a browser without cookies has it until the page is loaded again. */
 function takeToken() {
   const found = /^#token=([0-9a-f]+)$/.exec(location.hash);
   if (found) {
-    sessionStorage.setItem("token", found[1]);
     history.replaceState(null, "", "#overview");
+    fetch("login", { method: "POST", headers: { Authorization: `Bearer ${found[1]}` } }).catch(() => {});
   }
-  return sessionStorage.getItem("token");
+  return found ? found[1] : null;
 }
 
 /** Moves the time that all views show; null is now. @param {number | null} t */
@@ -170,7 +170,7 @@ function address() {
   if (location.hash !== hash && !playback?.playing) history.replaceState(null, "", hash);
 }
 
-/** Tells readers of the screen what matters, at most once a second. */
+/** Tells readers of the screen what matters, control states and the last fault, at most once a second. */
 const announce = (() => {
   let last = 0, said = "";
   return (now) => {
@@ -179,7 +179,8 @@ const announce = (() => {
       const value = store.locationsAt(it.component)[it.diagram.location]?.value;
       return value ? `${it.component}: ${value}` : "";
     });
-    const words = states.filter(Boolean).join(", ");
+    const fault = store.log.findLast((it) => it.level === "error" && (!store.recording || it.t <= store.cursor + 1e-9));
+    const words = [...states, fault && `${fault.kind} of ${fault.component} at ${fault.t.toFixed(1)} s: ${fault.text}`].filter(Boolean).join(", ");
     if (words !== said) { text(byId("announcer"), words); said = words; last = now; }
   };
 })();
@@ -296,7 +297,7 @@ function build() {
   });
   addEventListener("hashchange", () => {
     // the address of a process that was restarted has a new token
-    control.token = takeToken();
+    control.token = takeToken() ?? control.token;
     select();
   });
   addEventListener("keydown", key);

@@ -32,10 +32,10 @@ export class Overview {
     this.twin = el("dl", { class: "twin" });
     const tools = [el("span", { class: "grow" }), this.buttons.goal, this.buttons.measure, this.buttons.follow, this.buttons.fit, this.cancel, this.stop];
     this.table = new StateTable(app);
-    this.log = new LogList(app, { limit: 60, filtered: true });
+    this.log = new LogList(app);
     this.mapPanel = panel("Map", "map-panel", tools, el("div", { class: "map" }, this.canvas, this.over, this.box), this.twin);
     this.findings = el("div", { class: "findings" });
-    this.root = el("div", { class: "grid overview" }, this.mapPanel, this.table.root, panel("Events", "events-panel", this.log.tools, this.findings, this.log.root));
+    this.root = el("div", { class: "grid overview" }, this.mapPanel, this.table.root, panel("Events", "events-panel", this.log.tools, this.findings, this.log.root, this.log.detail));
   }
 
   tool(words, title, action) {

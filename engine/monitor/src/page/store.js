@@ -1,6 +1,8 @@
 // @ts-check
 // What the tab knows of the system: the counterpart of the server's feed, with bounded histories.
 
+/** The long list of entries is for the log alone; lanes and findings need the last ones. */
+const MAX_ENTRIES = 100000;
 const MAX_STEPS = 1000, MAX_LOG = 2000, MAX_TRAIL = 20000, MAX_SERIES = 6000;
 /** Silence after which the connection counts as lost, ms: the server sends something every 500 ms. */
 const SILENT = 2000;
@@ -14,6 +16,8 @@ export class Store {
     /** The time of a recording that the address asks for; NaN without one. */ this.wanted = NaN;
     this.recording = null;
     this.control = false;
+    /** Whether this browser has logged in to this run. */ this.known = false;
+    /** @type {string[]} */ this.warnings = [];
     this.connectedSince = null;
     this.lastFrame = performance.now();
     this.reset();
@@ -36,6 +40,9 @@ export class Store {
     /** @type {any[]} */ this.merged = []; this.mergedAt = -1;
     /** Log entries by time; calls can be many, and do not displace the others. @type {any[]} */ this.log = [];
     /** @type {any[]} */ this.notes = []; /** @type {any[]} */ this.calls = [];
+    /** Entries of a running system in the order of their arrival, and their number since the beginning. @type {any[]} */ this.entries = []; this.entryCount = 0;
+    /** Number of steps since the beginning. */ this.stepCount = 0;
+    /** Grows when what was known is forgotten. */ this.epoch = (this.epoch ?? 0) + 1;
     this.missed = { steps: 0, log: 0, samples: 0 };
     /** The part of the log that was asked for: the filter, and its entries by time; null if all of the log was. @type {any} */ this.found = null;
     /** The guards of the step that was asked for last. @type {any} */ this.guards = null;
@@ -80,6 +87,8 @@ export class Store {
     this.restarted = this.system !== null && !same;
     this.system = hello.system;
     this.control = hello.control;
+    this.known = hello.known;
+    /** What is dangerous about connections, in words. @type {string[]} */ this.warnings = hello.warnings ?? [];
     this.connectedSince = performance.now();
     this.lastFrame = performance.now();
   }
@@ -146,7 +155,12 @@ export class Store {
     const log = [...window.log, ...window.calls].sort((one, other) => one.t - other.t);
     if (window.filter === null) this.log = log;
     else if (window.filter === this.found?.number) Object.assign(this.found, { entries: log, isKnown: true });
-    for (const it of log) it.key = `l${it.t} ${it.kind} ${it.component} ${it.text}`;
+    const same = new Map();
+    for (const it of log) {
+      const words = `l${it.t} ${it.kind} ${it.component} ${it.text}`, count = same.get(words) ?? 0;
+      same.set(words, count + 1);
+      it.key = count ? `${words} ${count}` : words;
+    }
     this.series = new Map(Object.entries(window.series).map(([name, samples]) => [name, samples.map(revived)]));
     this.changes.steps++;
     this.changes.log++;
@@ -163,14 +177,46 @@ export class Store {
     this.notes = append(this.notes, frame.log ?? [], MAX_LOG);
     this.calls = append(this.calls, frame.calls ?? [], MAX_LOG / 2);
     this.log = [...this.notes, ...this.calls].sort((one, other) => one.t - other.t);
+    this.keep([...(frame.log ?? []), ...(frame.calls ?? [])].sort((one, other) => one.t - other.t));
     this.changes.log++;
+  }
+
+  /** Keeps entries for the log, and forgets the oldest ones in one go. @param {any[]} entries */
+  keep(entries) {
+    for (const it of entries) { it.key = `l${this.entryCount++}`; this.entries.push(it); }
+    if (this.entries.length > MAX_ENTRIES * 1.1) this.entries.splice(0, this.entries.length - MAX_ENTRIES);
+  }
+
+  /** Number of entries that the log has received, of the part that was asked for. */
+  get logCount() { return this.found ? this.found.count : this.entryCount; }
+
+  /** Entries of the log after the first ones, which are known; -1 for all. Of a part of the log, what the server does not keep any more
+   * is found among those that are here. @param {number} known @returns {any[]} */
+  entriesSince(known) {
+    if (this.recording) return known < 0 ? this.found?.entries ?? this.log : [];
+    const { found } = this;
+    const entries = found?.entries ?? this.entries;
+    if (known >= 0) return entries.slice(Math.max(0, entries.length - (this.logCount - known)));
+    if (!found) return entries;
+    const oldest = entries[0]?.t ?? Infinity;
+    return [...this.entries.filter((it) => it.t < oldest), ...entries];
+  }
+
+  /** Steps that have arrived after the first ones, which are known; -1 for all. @param {number} known @returns {any[]} */
+  stepsSince(known) {
+    if (this.recording) return known < 0 ? this.steps : [];
+    const all = [];
+    for (const steps of this.history.values()) for (let index = steps.length - 1; index >= 0 && steps[index].arrival > known; index--) all.push(steps[index]);
+    return all;
   }
 
   /** Takes entries of the part of the log that was asked for. Those of an earlier question are not wanted any more. */
   find({ filter, entries }) {
     if (filter !== this.found?.number) return;
-    this.found.entries = append(this.found.entries, entries, MAX_LOG).sort((one, other) => one.t - other.t);
-    this.found.isKnown = true;
+    const { found } = this;
+    for (const it of entries.sort((one, other) => one.t - other.t)) { it.key = `f${filter} ${found.count++}`; found.entries.push(it); }
+    if (found.entries.length > MAX_ENTRIES * 1.1) found.entries.splice(0, found.entries.length - MAX_ENTRIES);
+    found.isKnown = true;
     this.changes.log++;
   }
 
@@ -186,7 +232,7 @@ export class Store {
     const asked = words.length || level !== "info" ? JSON.stringify([words, level]) : "";
     if (asked === (this.found?.asked ?? "")) return;
     this.questions = (this.questions ?? 0) + 1;
-    this.found = asked ? { asked, number: this.questions, words, level, entries: [], isKnown: false } : null;
+    this.found = asked ? { asked, number: this.questions, words, level, entries: [], count: 0, isKnown: false } : null;
     // the window of a recording has another part of the log now
     this.valid = [Infinity, -Infinity];
     this.changes.log++;
@@ -249,6 +295,7 @@ export class Store {
     this.history.set(entry.component, steps);
     if (steps.length && steps.at(-1).step.number >= entry.step.number) return;
     steps.push(entry);
+    entry.arrival = ++this.stepCount;
     if (steps.length > MAX_STEPS) { steps.splice(0, MAX_STEPS / 4); this.knownSince.set(entry.component, steps[0].t); }
     this.changes.steps++;
   }

@@ -5,7 +5,7 @@
 import { el, panel, colour, fitted, text } from "./dom.js";
 import { MARGIN } from "./chart.js";
 import { Values } from "./values.js";
-import { entryText } from "./log_list.js";
+import { entryText } from "./log_rows.js";
 import { Folding } from "./folding.js";
 
 const COLOURS = ["ink", "faint", "line", "panel", "sunken", "accent", "accent-soft", "good", "bad", "note", "note-soft", "serie-3"];

@@ -31,6 +31,8 @@ pub(super) struct RecordedComponents {
     lives: BTreeMap<String, ComponentLife>,
     /// Losses on the way to an input, `Component.port`.
     lost: BTreeMap<String, TimedValues<u64>>,
+    /// Messages that wait at an input or a service, `Component.port`.
+    waiting: BTreeMap<String, TimedValues<u64>>,
 }
 
 /// What events say about a component.
@@ -99,6 +101,21 @@ impl RecordedComponents {
         }
     }
 
+    /// Takes a record of the numbers of messages that wait. What it does not name has none.
+    pub(super) fn queues(&mut self, time: Time, record: &Datum) {
+        let waiting = record.get("waiting");
+        let waiting = waiting.and_then(|it| it.to::<BTreeMap<String, u64>>().ok());
+        let waiting = waiting.unwrap_or_default();
+        for (name, history) in &mut self.waiting {
+            if !waiting.contains_key(name) && history.last().is_some_and(|(_, last)| *last > 0) {
+                history.push((time, 0));
+            }
+        }
+        for (name, count) in waiting {
+            self.waiting.entry(name).or_default().push((time, count));
+        }
+    }
+
     /// The components at a time as JSON, in the form of a running system; `null` if the composite is not attached.
     pub(super) fn json(&self, t: f64, steps: &BTreeMap<String, RecordedSteps>) -> String {
         let version = at(&self.versions, t).or_else(|| Some(&self.versions.first()?.1));
@@ -130,11 +147,19 @@ impl RecordedComponents {
             let lost = self.lost.get(&format!("{}.{end}", component.name));
             lost.and_then(|it| at(it, t)).copied().unwrap_or(0)
         };
+        let waiting = |end: &str| {
+            let waiting = self.waiting.get(&format!("{}.{end}", component.name));
+            waiting.and_then(|it| at(it, t)).copied().unwrap_or(0)
+        };
         for input in &mut component.inputs {
+            input.waiting = waiting(&input.name);
             input.lost = lost(&input.name);
             component.dropped += input.lost;
         }
+        let inside = self.waiting.get(&component.name);
+        component.waiting = inside.and_then(|it| at(it, t)).copied().unwrap_or(0);
         for service in &mut component.services {
+            service.waiting = waiting(&service.name);
             service.refused = lost(&service.name);
             component.dropped += service.refused;
         }

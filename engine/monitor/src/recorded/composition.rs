@@ -140,6 +140,7 @@ fn endpoints(table: Option<&Value>) -> Vec<PresentEndpoint> {
         name: name.clone(),
         kind: interface(value).unwrap_or_default(),
         lost: 0,
+        waiting: 0,
     };
     entries.map(endpoint).collect()
 }
@@ -159,6 +160,7 @@ fn described(name: &str, component: &Table) -> PresentComponent {
         interface: it.kind,
         operations: Vec::new(),
         refused: 0,
+        waiting: 0,
     };
     let properties = component.get("properties").and_then(Value::as_table);
     let properties = properties.into_iter().flatten();

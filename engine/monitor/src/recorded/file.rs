@@ -12,18 +12,23 @@ use asmotion_lang::MemoryFiles;
 use asmotion_recording::{
     ChainedCycle, FileEnd, MessageData, RecordingError, RecordingItem, RunReader, part_path,
 };
+use asmotion_remote::CommandRecord;
 
 use super::composition::{Composition, is_composition};
 use super::entry::{NewEntry, of_call, of_event};
 use super::{RecordedBegin, RecordedEntry, RecordedOutput, RecordedRun, RecordedSteps, RunMoments};
 use crate::catalogue::SystemDescription;
-use crate::log_entry::{LogLevel, brief_datum};
+use crate::log_entry::{self, LogLevel, brief_datum};
 use crate::recording_description::RecordingDescription;
 
 /// Limit on the number of marks on the line of time.
 const MOST_MARKS: usize = 500;
 /// Name of the channel with violated properties.
 const MARKS: &str = "marks";
+/// Name of the channel with commands from outside.
+const COMMANDS: &str = "commands";
+/// Name of the channel with the numbers of messages that wait.
+const QUEUES: &str = "queues";
 /// Mean interval from which the messages of a topic are events, in seconds of the run.
 const RARE_S: f64 = 0.5;
 /// Distance from which a path gets another point, in m, and the time after which it does in any case, in s.
@@ -288,6 +293,20 @@ impl RunBuilder {
             self.recording.violations.push(violation);
             return;
         }
+        if channel == COMMANDS {
+            if let Ok(command) = record.to::<CommandRecord>() {
+                let entry = log_entry::command(at, &command);
+                if entry.level >= LogLevel::Warning {
+                    self.mark(at, entry.level, &command.words());
+                }
+                self.moments.log.push(RecordedEntry { at, entry });
+            }
+            return;
+        }
+        if channel == QUEUES {
+            self.moments.components.queues(at, record);
+            return;
+        }
         self.moments.components.event(at, record);
         if let Some(entry) = of_event(record) {
             self.system.add_component(&text("component"));
@@ -314,10 +333,17 @@ impl RunBuilder {
         output.samples.push((at, data));
     }
 
-    fn entry(&mut self, at: Time, entry: &NewEntry) {
+    /// Marks a warning on the line of time.
+    fn mark(&mut self, at: Time, level: LogLevel, text: &str) {
         let marks = &mut self.recording.marks;
-        if entry.level >= LogLevel::Warning && marks.len() < MOST_MARKS {
-            marks.push((at.seconds(), entry.level.name(), entry.text.clone()));
+        if marks.len() < MOST_MARKS {
+            marks.push((at.seconds(), level.name(), text.to_owned()));
+        }
+    }
+
+    fn entry(&mut self, at: Time, entry: &NewEntry) {
+        if entry.level >= LogLevel::Warning {
+            self.mark(at, entry.level, &entry.text);
         }
         let entry = entry.entry(at);
         self.moments.log.push(RecordedEntry { at, entry });

@@ -36,6 +36,8 @@ use crate::pattern::PortPatterns;
 /// | `answer/COMPONENT.SERVICE.OPERATION` | replies of the provider |
 /// | `asm/COMPONENT/step` | steps of a coordinator, [`RecordedCycle`]s with [hashes](super::StepHashes) |
 /// | `events` | life cycle, faults, losses, reports |
+/// | `commands` | what others asked of the system, with its origin; see [`command`](Self::command) |
+/// | `queues` | messages that wait at inputs and services; see [`queues`](Self::queues) |
 ///
 /// Samples of types of ROS 2 are in CDR, all other messages are JSON with a JSON Schema. See
 /// [`RecordingProfile`](crate::RecordingProfile) for other readers.
@@ -46,8 +48,22 @@ pub struct RunRecorder {
     counts: Arc<RecordingCounts>,
     types: SharedTypes,
     options: RecorderOptions,
+    /// Channels that are written by the owner of the run.
+    own: Mutex<OwnChannels>,
     thread: Option<JoinHandle<RecordingEnd>>,
 }
+
+/// Channels that the owner of the run writes: for each, the number of its last message.
+#[derive(Debug, Default)]
+struct OwnChannels {
+    commands: u32,
+    queues: u32,
+}
+
+/// Number of the channel `commands`. Those of the observer are counted from 1.
+const COMMANDS: u32 = u32::MAX;
+/// Number of the channel `queues`.
+const QUEUES: u32 = u32::MAX - 1;
 
 /// Message types of ports and topics. They grow when the system changes, and are read when a channel begins.
 type SharedTypes = Arc<Mutex<BTreeMap<String, Schema>>>;
@@ -110,6 +126,7 @@ impl RunRecorder {
             counts,
             types: Arc::new(Mutex::new(options.types.clone())),
             options,
+            own: Mutex::default(),
             thread: Some(thread.map_err(|_| RecordingFailure::Thread)?),
         })
     }
@@ -146,6 +163,51 @@ impl RunRecorder {
             let text = AttachedText { name, text, at_ns };
             self.queue.push_always(WriterJob::Attachment { text });
         }
+    }
+
+    /// Records something that was asked of the system from outside, or what became of it, in the channel `commands`: origin, words
+    /// and outcome. It belongs to no step, so that the chains of steps are the same without it.
+    pub fn command(&self, at: Time, record: &Value) {
+        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
+        let about = || ("commands", schemas::command());
+        self.own_message(COMMANDS, &mut own.commands, about, (at, record));
+    }
+
+    /// Records how many messages wait at the inputs and services of components, in the channel `queues`: an object with the numbers
+    /// of all that have some, by `Component.port` or `Component.service`.
+    pub fn queues(&self, at: Time, waiting: &BTreeMap<String, u64>) {
+        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
+        let about = || ("queues", schemas::queues());
+        let record = json!({ "waiting": waiting });
+        self.own_message(QUEUES, &mut own.queues, about, (at, &record));
+    }
+
+    /// Queues a message of a channel of the owner, whose last message has this number.
+    fn own_message(
+        &self,
+        channel: u32,
+        sequence: &mut u32,
+        about: impl FnOnce() -> (&'static str, ChannelSchema),
+        (at, record): (Time, &Value),
+    ) {
+        if *sequence == 0 {
+            let (topic, schema) = about();
+            let about = ChannelAbout {
+                topic: topic.to_owned(),
+                schema,
+                facts: Vec::new(),
+            };
+            self.queue
+                .push_always(WriterJob::Channel { channel, about });
+        }
+        *sequence = sequence.wrapping_add(1);
+        self.counts.messages.fetch_add(1, Ordering::Relaxed);
+        self.queue.push(WriterJob::Message {
+            channel,
+            at_ns: u64::try_from(at.nanos()).unwrap_or_default(),
+            sequence: *sequence,
+            data: record.to_string().into_bytes(),
+        });
     }
 
     /// Ends the recording, after the run. Returns also the patterns of ports that published nothing.

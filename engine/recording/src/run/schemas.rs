@@ -77,6 +77,22 @@ pub(super) fn mark() -> ChannelSchema {
     ChannelSchema::Json("asmotion.Mark".to_owned(), schema.to_string())
 }
 
+/// The schema of a command from outside, and of its outcome.
+pub(super) fn command() -> ChannelSchema {
+    let schema = object(json!({
+        "number": integer(), "client": text(), "tab": integer(), "login": { "enum": ["cookie", "token"] }, "text": text(),
+        "outcome": { "enum": ["asked", "done", "refused", "unknown"] }, "reason": text(), "left_out": integer(),
+    }));
+    ChannelSchema::Json("asmotion.Command".to_owned(), schema.to_string())
+}
+
+/// The schema of the numbers of messages that wait.
+pub(super) fn queues() -> ChannelSchema {
+    let waiting = json!({ "type": "object", "additionalProperties": integer() });
+    let schema = object(json!({ "waiting": waiting }));
+    ChannelSchema::Json("asmotion.Queues".to_owned(), schema.to_string())
+}
+
 /// The schema of an event.
 pub(super) fn event() -> ChannelSchema {
     let schema = object(json!({

@@ -345,6 +345,7 @@ fn t15_an_operation_is_named_by_the_id_of_its_component() {
                 ..PresentOperation::default()
             }],
             refused: 0,
+            waiting: 0,
         }],
         ..PresentComponent::default()
     };

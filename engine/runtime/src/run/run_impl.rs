@@ -362,6 +362,23 @@ impl<E: Executor> Run for E {
             .unwrap_or_default()
     }
 
+    fn waiting(&self, component: &str) -> Vec<u64> {
+        self.descriptor(component)
+            .map(|descriptor| descriptor.waiting().collect())
+            .unwrap_or_default()
+    }
+
+    fn waiting_requests(&self, component: &str) -> Vec<u64> {
+        self.descriptor(component)
+            .map(|descriptor| descriptor.waiting_requests().collect())
+            .unwrap_or_default()
+    }
+
+    fn waiting_inside(&self, component: &str) -> u64 {
+        self.descriptor(component)
+            .map_or(0, |descriptor| descriptor.status.waiting())
+    }
+
     fn fault(&self, component: &str) -> Option<Fault> {
         self.descriptor(component)
             .and_then(|descriptor| descriptor.status.fault().clone())

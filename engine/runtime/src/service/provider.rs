@@ -140,6 +140,11 @@ impl RequestQueue {
         self.while_stopped.get(operation) == Some(&true)
     }
 
+    /// The number of requests and cancellations that wait.
+    pub fn waiting(&self) -> u64 {
+        self.queue.len() as u64
+    }
+
     /// The number of requests refused because a queue of the service was full.
     pub fn refused(&self) -> u64 {
         self.refused.load(Ordering::Relaxed)
