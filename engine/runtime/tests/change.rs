@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use crate::common::{Double, Number, behaviour, counter, doubler, in_real_time, number};
+use crate::common::{Double, Number, Words, behaviour, counter, doubler, in_real_time, number};
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Fault, Interface, Out, Policy, Span, Time, Wire,
+    Activity, CallError, Component, Cycle, Fault, In, Interface, Out, Policy, Span, Time, Wire,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Log, Replacement, Run, System};
@@ -371,6 +371,82 @@ fn c18_a_component_that_was_replaced_before_another_one_refused_is_put_back() {
     }
     let back = log.lines_with("its previous version again");
     assert_eq!(back.len(), 1, "{back:?}");
+}
+
+/// Adds what it reads to its count, which continues in a successor.
+struct Sum {
+    n: i64,
+    input: In<Number>,
+    out: Out<Number>,
+    /// The count of samples, which only a successor writes.
+    samples: Option<Out<Number>>,
+}
+
+impl Component for Sum {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let all = cycle.all(self.input);
+        self.n += all.iter().map(|it| it.n).sum::<i64>();
+        let samples = all.len();
+        cycle.write(self.out, number(self.n));
+        if let Some(out) = self.samples {
+            cycle.write(out, number(i64::try_from(samples).unwrap()));
+        }
+        Ok(())
+    }
+
+    fn take_over(&mut self, predecessor: &dyn Component, _: Time) -> Result<Vec<String>, Fault> {
+        let predecessor: &dyn Any = predecessor;
+        self.n = predecessor.downcast_ref::<Self>().unwrap().n;
+        Ok(Vec::new())
+    }
+}
+
+#[test]
+fn c18_a_successor_with_ports_in_another_order_keeps_the_connections_of_each() {
+    let (log, mut system) = (Log::new(), System::new());
+    system.observe(log.clone());
+    let periodic = || Activity::periodic(10.ms());
+    system.add("Counter", periodic(), counter()).unwrap();
+    let made = |interface: &mut Interface| -> Box<dyn Component> {
+        let _ = interface.input::<Words>("note", "unused");
+        Box::new(Sum {
+            n: 0,
+            input: interface.input("n", "numbers"),
+            out: interface.output("sum", "their sum"),
+            samples: None,
+        })
+    };
+    system.add("Sum", periodic(), made).unwrap();
+    let policy = Policy::buffer(10);
+    system
+        .connect("Counter.n", "Sum.n", policy.clone())
+        .unwrap();
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 25.ms());
+    let successor = |interface: &mut Interface| -> Result<Box<dyn Component>, String> {
+        let samples = Some(interface.output("samples", "read in the cycle"));
+        let input = interface.input("n", "numbers");
+        let _ = interface.input::<Words>("note", "unused");
+        Ok(Box::new(Sum {
+            n: 0,
+            input,
+            out: interface.output("sum", "their sum"),
+            samples,
+        }))
+    };
+    let change = Change::Replace {
+        component: "Sum".to_owned(),
+        by: Replacement::new("another sum", successor),
+    };
+    run.change(&[change]).unwrap();
+    run.run_until(Time::ZERO + 45.ms());
+    assert_eq!(counts(&log, "Sum.sum"), [1, 3, 6, 10, 15]);
+    assert_eq!(counts(&log, "Sum.samples"), [1, 1]);
+    let declared = run.declaration("Sum").unwrap();
+    let inputs: Vec<_> = declared.inputs.iter().map(|it| &it.name).collect();
+    let outputs: Vec<_> = declared.outputs.iter().map(|it| &it.name).collect();
+    assert_eq!(inputs, ["note", "n"]);
+    assert_eq!(outputs, ["sum", "samples"]);
 }
 
 #[test]

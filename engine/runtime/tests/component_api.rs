@@ -1,8 +1,10 @@
 //! What a component counts, declares and describes is what its runtime and its tools see.
 
+use std::sync::{Arc, Mutex};
+
 use crate::common::{Double, Number, behaviour, burst, number};
 use asmotion_component::{
-    Activity, Component, Cycle, Fault, Freeze, In, Interface, Losses, Out, Policy, Properties,
+    Activity, Component, Cycle, Fault, Freeze, In, Interface, Losses, OnStale, Out, Policy, Properties,
     PropertySet, Provided, Span, Time, Transition, freeze_by_fields,
 };
 use asmotion_datum::Datum;
@@ -55,6 +57,83 @@ fn losses_are_those_of_the_inputs_and_those_that_the_component_sets() {
         misfits: 40,
     };
     assert_eq!(run.losses("Losing"), losses);
+}
+
+/// Takes odd numbers only.
+fn picky() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let input = interface.input::<Number>("n", "odd numbers");
+        move |cycle| {
+            let all = cycle.all(input).iter().map(|number| number.n);
+            let even: Vec<i64> = all.filter(|n| n % 2 == 0).collect();
+            for _ in even {
+                cycle.refuse(input, "expected an odd number, found an even one");
+            }
+            Ok(())
+        }
+    })
+}
+
+#[test]
+fn samples_that_a_component_refuses_are_counted_and_their_cause_is_reported_once() {
+    let (log, mut system) = (Log::new(), System::new());
+    system.observe(log.clone());
+    let periodic = || Activity::periodic(10.ms());
+    system.add("Burst", periodic(), burst(4)).unwrap();
+    system.add("Picky", periodic(), picky()).unwrap();
+    system
+        .connect("Burst.n", "Picky.n", Policy::buffer(8))
+        .unwrap();
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 45.ms());
+    // the component that is added first runs first, so each of 5 cycles sees four samples, of which two are even
+    let losses = Losses {
+        dropped: 0,
+        misfits: 10,
+    };
+    assert_eq!(run.losses("Picky"), losses);
+    let reports = log.lines_with("refuses");
+    assert_eq!(reports.len(), 1, "{reports:?}");
+    let text = "`n` refuses a message: expected an odd number, found an even one";
+    assert!(reports[0].contains(text), "{reports:?}");
+}
+
+#[test]
+fn each_sample_says_until_when_its_connection_allows_its_use() {
+    let mut system = System::new();
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let record = Arc::clone(&seen);
+    let reader = behaviour(move |interface| {
+        let inputs = ["limited", "held", "free"].map(|name| interface.input::<Number>(name, name));
+        move |cycle| {
+            let expiries = inputs.map(|input| cycle.expiries(input).to_vec());
+            record.lock().unwrap().push((cycle.now(), expiries));
+            Ok(())
+        }
+    });
+    let periodic = || Activity::periodic(10.ms());
+    system.add("Burst", periodic(), burst(2)).unwrap();
+    system.add("Reader", periodic(), reader).unwrap();
+    let (aged, drops) = (Policy::buffer(8).max_age(30.ms()), OnStale::NoData);
+    let policies = [
+        ("limited", aged.clone().on_stale(drops)),
+        ("held", aged),
+        ("free", Policy::buffer(8)),
+    ];
+    for (input, policy) in policies {
+        let input = format!("Reader.{input}");
+        system.connect("Burst.n", &input, policy).unwrap();
+    }
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 25.ms());
+    let seen = seen.lock().unwrap();
+    assert_eq!(seen.len(), 3);
+    for (at, [limited, held, free]) in &*seen {
+        assert_eq!(*limited, [Some(*at + 30.ms()); 2], "at {at}");
+        // a connection that holds a stale sample sets no limit
+        assert_eq!(*held, [None; 2], "at {at}");
+        assert_eq!(*free, [None; 2], "at {at}");
+    }
 }
 
 /// Replies with 1 while it runs, and with 0 while it is stopped.
@@ -248,4 +327,73 @@ fn properties_as_of_the_last_refresh_are_frozen_and_read_again_after_thawing() {
     }
     assert_eq!(seen(&logs[0]), [5, 10, 15, 20, 27, 34]);
     assert_eq!(seen(&logs[1]), [15, 20, 27, 34]);
+}
+
+/// What is common to several components.
+#[derive(Clone, Debug, PartialEq, Properties)]
+struct Limits {
+    /// Largest value.
+    #[property(default = 100)]
+    most: i64,
+}
+
+#[derive(Clone, Debug, PartialEq, Properties)]
+struct Counting {
+    /// Step of the count.
+    #[property(default = 1)]
+    step: i64,
+    #[property(flatten)]
+    limits: Limits,
+}
+
+/// Adds the step that it read in its first cycle, up to the limit.
+#[derive(Freeze)]
+#[freeze(component = "test::Limited", version = 1)]
+struct Limited {
+    #[freeze(skip)]
+    out: Out<Number>,
+    settings: PropertySet<Counting>,
+    n: i64,
+}
+
+impl Component for Limited {
+    freeze_by_fields!();
+
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        if cycle.number() == 1 {
+            self.settings.refresh(cycle);
+        }
+        self.n = (self.n + self.settings.step).min(self.settings.limits.most);
+        cycle.write(self.out, number(self.n));
+        Ok(())
+    }
+}
+
+#[test]
+fn a_group_of_properties_is_frozen_and_thawed_with_the_others() {
+    let simulation = |log: &Log| {
+        let mut system = System::new();
+        system.observe(log.clone());
+        let limited = system.add("Limited", Activity::periodic(10.ms()), |interface| {
+            Box::new(Limited {
+                out: interface.output::<Number>("n", "the count"),
+                settings: interface.properties(),
+                n: 0,
+            })
+        });
+        let limited = limited.unwrap();
+        for (name, value) in [("step", 3_i64), ("most", 7)] {
+            system.set_property(limited, name, &value.into()).unwrap();
+        }
+        system.simulate()
+    };
+    let logs = [Log::new(), Log::new()];
+    let mut original = simulation(&logs[0]);
+    original.run_until(Time::ZERO + 5.ms());
+    let mut thawed = simulation(&logs[1]);
+    thawed.thaw(&original.freeze().unwrap()).unwrap();
+    thawed.run_until(Time::ZERO + 35.ms());
+    let seen = logs[1].samples::<Number>("Limited.n");
+    let seen: Vec<i64> = seen.iter().map(|(_, it)| it.n).collect();
+    assert_eq!(seen, [6, 7, 7]);
 }
