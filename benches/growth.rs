@@ -27,10 +27,10 @@ use std::time::Duration;
 use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::Time;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms};
-use asmotion_coordinator::StepRecord;
+use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, NoInputs, Specification};
-use asmotion_runtime::{Event, Run, Simulation};
+use asmotion_runtime::{Event, Observer, ReportInterest, Run, Simulation};
 
 /// A row of the table.
 struct Row {
@@ -132,6 +132,14 @@ const ROWS: &[Row] = &[
         units: |size| 10 * size,
     },
     Row {
+        name: "brief",
+        unit: "cycle of a coordinator in virtual time whose steps an observer counts",
+        sizes: [10, 100, 1_000, 10_000],
+        limit: 0.05,
+        work: counted,
+        units: |size| 10 * size,
+    },
+    Row {
         name: "start",
         unit: "start of a coordinator, from the composite to the tenth cycle",
         sizes: [10, 30, 100, 300],
@@ -227,6 +235,14 @@ fn coordinated(size: u64, times: u64) {
 fn observed(size: u64, times: u64) {
     let mut run = roving(size);
     run.observe(|_: Time, _: &Event<'_>| {});
+    (0..times).for_each(|_| run.run_for(Duration::from_millis(1000)));
+}
+
+/// Runs coordinators as `asmotion run --quiet` does.
+fn counted(size: u64, times: u64) {
+    let mut run = roving(size);
+    let observer = |_: Time, _: &Event<'_>| {};
+    run.observe(observer.using(ReportInterest::Except(&[STEP_REPORT])));
     (0..times).for_each(|_| run.run_for(Duration::from_millis(1000)));
 }
 

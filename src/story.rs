@@ -24,8 +24,8 @@ use std::collections::BTreeMap;
 
 use asmotion_component::{CallError, CallId, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
-    BAD_REPLY_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord, UNFIT_REPORT,
-    UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
+    BAD_REPLY_REPORT, BRIEF_STEP_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord,
+    UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
 };
 use asmotion_datum::{Datum, Sample};
 use asmotion_messages::Event as NavigationEvent;
@@ -299,6 +299,13 @@ impl Story {
                 let record: StepRecord = what.to().ok()?;
                 self.summary.step(component, &record);
                 Some(step::entry(component, &record))
+            }
+            BRIEF_STEP_REPORT => {
+                match StepRecord::of_report(what) {
+                    Some(record) => self.summary.step(component, &record),
+                    None => self.summary.steps += 1,
+                }
+                None
             }
             BAD_REPLY_REPORT => {
                 let reply: BadReply = what.to().ok()?;
