@@ -35,10 +35,11 @@ impl Emitter<'_> {
         let (head, next, done) = (self.block(), self.block(), self.block());
         let index = self.builder.append_block_param(head, I64);
         let none = self.number(I64, 0);
+        self.advance_updates();
         self.builder
             .ins()
             .brif(count, head, &[none.into()], done, &[]);
-        self.begin(head);
+        self.begin_loop(head);
         let bytes = self.builder.ins().imul_imm_s(index, at::VALUE_SIZE);
         let element = self.builder.ins().iadd(elements, bytes);
         let value = self.load(self.memory.extents, I32, element, at::PAYLOAD);

@@ -17,6 +17,9 @@ use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
 use std::sync::Arc;
 
+/// Number of bytes from which on the address of the next update is advanced within a block, so that offsets have few bits.
+const MAX_PENDING: i32 = 1 << 16;
+
 impl Emitter<'_> {
     /// Generates a direct rule instead of code with detours.
     pub fn set_direct(&mut self, clash_free: Vec<bool>, facts: Arc<ValueFacts>) {
@@ -31,6 +34,7 @@ impl Emitter<'_> {
         self.builder.def_var(iterations, none);
         self.direct = Some(DirectCode {
             next_update,
+            pending: 0,
             first_update: first,
             slots,
             iterations,
@@ -49,6 +53,7 @@ impl Emitter<'_> {
 
     /// Generates the end of a direct rule: the updates are applied if there is a list for previous values.
     pub fn end_direct(&mut self) {
+        self.advance_updates();
         let Some(direct) = &self.direct else {
             return;
         };
@@ -72,7 +77,7 @@ impl Emitter<'_> {
         self.begin(apply);
         let start = [first.into(), list.into(), none.into()];
         self.builder.ins().jump(head, &start);
-        self.begin(head);
+        self.begin_loop(head);
         let memory = self.memory.updates;
         let slot = self.builder.ins().uload32(memory, update, at::UPDATE_SLOT);
         let bytes = self.scaled(slot, at::VALUE_SIZE);
@@ -202,22 +207,56 @@ impl Emitter<'_> {
             (None, Some(slot)) => self.builder.ins().ireduce(I32, slot),
             (constant, _) => self.number(I32, constant.unwrap_or_default()),
         };
-        self.put_directly(update, slot, value, origin);
-        let next = self.builder.ins().iadd_imm_s(update, at::UPDATE_SIZE);
-        self.builder.def_var(next_update, next);
+        let offset = self.direct.as_ref().map_or(0, |direct| direct.pending);
+        self.put_directly((update, offset), slot, value, origin);
+        if let Some(direct) = &mut self.direct {
+            direct.pending += at::UPDATE_SIZE as i32;
+        }
+        if offset > MAX_PENDING {
+            self.advance_updates();
+        }
         true
     }
 
+    /// Returns `true` unless the address of the next update is still to be advanced.
+    pub fn has_advanced(&self) -> bool {
+        self.direct
+            .as_ref()
+            .is_none_or(|direct| direct.pending == 0)
+    }
+
+    /// Advances the address of the next update, before a jump or where it is read. The updates of a block have addresses relative to
+    /// that at its beginning, so that it advances once.
+    pub fn advance_updates(&mut self) {
+        let Some(direct) = &mut self.direct else {
+            return;
+        };
+        let (next_update, pending) = (direct.next_update, std::mem::take(&mut direct.pending));
+        if pending > 0 {
+            let update = self.builder.use_var(next_update);
+            let next = self.builder.ins().iadd_imm_s(update, i64::from(pending));
+            self.builder.def_var(next_update, next);
+        }
+    }
+
     /// Stores an update.
-    pub fn put_directly(&mut self, update: Ssa, slot: Ssa, value: KnownValue, origin: Origin) {
-        self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
+    pub fn put_directly(
+        &mut self,
+        (update, offset): (Ssa, i32),
+        slot: Ssa,
+        value: KnownValue,
+        origin: Origin,
+    ) {
+        self.store(self.memory.updates, slot, update, offset + at::UPDATE_SLOT);
         let origin = self.number(I32, i64::from(origin.0));
-        self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
+        let place = offset + at::UPDATE_ORIGIN;
+        self.store(self.memory.updates, origin, update, place);
         if let Some((tag, payload)) = self.tag_and_payload(value) {
             // two stores, which the end of the rule loads as they were stored
             let tag = self.number(I64, i64::from(tag));
-            self.store(self.memory.updates, tag, update, at::UPDATE_VALUE);
-            let place = at::UPDATE_VALUE + at::PAYLOAD;
+            let place = offset + at::UPDATE_VALUE;
+            self.store(self.memory.updates, tag, update, place);
+            let place = place + at::PAYLOAD;
             self.store(self.memory.updates, payload, update, place);
         }
     }

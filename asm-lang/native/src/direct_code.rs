@@ -16,6 +16,8 @@ const MAX_UPDATES: u64 = 1 << 23;
 pub(crate) struct DirectCode {
     /// Address of the next update.
     pub next_update: Variable,
+    /// Number of bytes by which the code since the last jump has advanced it already.
+    pub pending: i32,
     pub first_update: Value,
     /// Address of the slots, which stay in place during a direct step.
     pub slots: Value,

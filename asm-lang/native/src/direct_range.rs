@@ -135,7 +135,7 @@ impl Emitter<'_> {
         self.branch(is_above, done, start);
         self.begin(start);
         self.jump_with(head, first);
-        self.begin(head);
+        self.begin_loop(head);
         let outer = self.scope.locals[local as usize];
         let interval = IntegerInterval { low, high };
         self.scope.locals[local as usize] = KnownValue::Int(NativeInt::new(value, interval));
@@ -256,8 +256,9 @@ impl Emitter<'_> {
         let (head, more, done) = (self.block(), self.block(), self.block());
         let rest = self.builder.append_block_param(head, I64);
         let left = self.builder.append_block_param(head, I64);
+        self.advance_updates();
         self.builder.ins().jump(head, &[bits.into(), number.into()]);
-        self.begin(head);
+        self.begin_loop(head);
         self.branch(left, more, done);
         self.begin(more);
         let below = self.builder.ins().iadd_imm_s(rest, -1);

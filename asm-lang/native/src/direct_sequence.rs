@@ -165,6 +165,7 @@ impl Emitter<'_> {
 
     /// In a sequence of a direct rule, generates an update.
     pub fn write_in_sequence(&mut self, located: &Located, value: KnownValue, origin: Origin) {
+        self.advance_updates();
         let slot = located.constant().and_then(|it| Slot::try_from(it).ok());
         let direct = self.direct.as_ref();
         let known = direct.and_then(|it| it.sequence.slots.get(&slot?).copied());
@@ -181,7 +182,7 @@ impl Emitter<'_> {
         self.builder.def_var(known.update, update);
         self.builder.def_var(next_update, next);
         let slot = self.number(I32, i64::from(slot.unwrap_or_default()));
-        self.put_directly(update, slot, value, origin);
+        self.put_directly((update, 0), slot, value, origin);
         let payload = match value {
             KnownValue::Int(int) => int.value,
             KnownValue::Bool(truth) => truth,
@@ -225,7 +226,7 @@ impl Emitter<'_> {
         }
         let (head, done) = (self.block(), self.block());
         self.jump(head);
-        self.begin(head);
+        self.begin_loop(head);
         self.count_iteration();
         let no = self.number(I8, 0);
         self.builder.def_var(flag, no);

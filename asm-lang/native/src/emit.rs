@@ -188,6 +188,8 @@ pub(crate) struct Emitter<'a> {
     pub direct: Option<DirectCode>,
     /// Number of rules around the current one that execute it only under a condition.
     pub conditions: u32,
+    /// The block at which the next rule ends with a jump, in a direct rule; `None` if it continues with the code that follows.
+    pub end: Option<Block>,
 }
 
 /// Returns the signature of [`crate::frame::NativeEntry`].
@@ -300,6 +302,7 @@ impl<'a> Emitter<'a> {
             locals: 0,
             direct: None,
             conditions: 0,
+            end: None,
         }
     }
 
@@ -367,19 +370,35 @@ impl<'a> Emitter<'a> {
         block
     }
 
+    /// Begins a block to which all jumps have been generated.
     pub fn begin(&mut self, block: Block) {
+        debug_assert!(self.has_advanced(), "a jump did not advance the updates");
+        self.proceed(block);
+    }
+
+    /// Begins a block to which only the code before leads.
+    fn proceed(&mut self, block: Block) {
         self.builder.switch_to_block(block);
+        self.builder.seal_block(block);
+    }
+
+    /// Begins a block to which later code jumps back.
+    pub fn begin_loop(&mut self, head: Block) {
+        self.builder.switch_to_block(head);
     }
 
     pub fn jump(&mut self, to: Block) {
+        self.advance_updates();
         self.builder.ins().jump(to, &[]);
     }
 
     pub fn jump_with(&mut self, to: Block, value: Ssa) {
+        self.advance_updates();
         self.builder.ins().jump(to, &[value.into()]);
     }
 
     pub fn branch(&mut self, condition: Ssa, yes: Block, no: Block) {
+        self.advance_updates();
         self.builder.ins().brif(condition, yes, &[], no, &[]);
     }
 
@@ -422,8 +441,10 @@ impl<'a> Emitter<'a> {
     pub fn bail_if(&mut self, condition: Ssa) {
         self.bail.used = true;
         let next = self.block();
-        self.branch(condition, self.bail.block, next);
-        self.begin(next);
+        // does not advance the updates: the exit needs no address, and the code that follows continues that before
+        let bail = self.bail.block;
+        self.builder.ins().brif(condition, bail, &[], next, &[]);
+        self.proceed(next);
     }
 
     /// Leaves the current unit for its detour.
@@ -525,10 +546,28 @@ impl<'a> Emitter<'a> {
         match known {
             KnownValue::Nothing | KnownValue::Memory(_) => None,
             KnownValue::Int(int) => Some((layout::INT, int.value)),
-            KnownValue::Bool(truth) => Some((layout::BOOL, self.builder.ins().uextend(I64, truth))),
-            KnownValue::Atom(atom) => {
-                Some((layout::ATOM, self.builder.ins().uextend(I64, atom.value)))
-            }
+            KnownValue::Bool(truth) => Some((layout::BOOL, self.extended(truth))),
+            KnownValue::Atom(atom) => Some((layout::ATOM, self.extended(atom.value))),
+        }
+    }
+
+    /// Returns a truth value or atom with 64 bits. A constant is one again, which needs no register to be stored.
+    fn extended(&mut self, value: Ssa) -> Ssa {
+        let dfg = &self.builder.func.dfg;
+        let constant = match dfg.value_def(value) {
+            clif::ValueDef::Result(instruction, _) => match dfg.insts[instruction] {
+                clif::InstructionData::UnaryImm {
+                    opcode: clif::Opcode::Iconst,
+                    imm,
+                } => Some(imm.bits()),
+                _ => None,
+            },
+            _ => None,
+        };
+        match (constant, dfg.value_type(value)) {
+            (Some(bits), I8) => self.number(I64, bits & 0xff),
+            (Some(bits), I32) => self.number(I64, bits & 0xffff_ffff),
+            _ => self.builder.ins().uextend(I64, value),
         }
     }
 

@@ -136,6 +136,7 @@ impl Emitter<'_> {
                 takes_first = way;
             }
         }
+        self.advance_updates();
         self.builder
             .ins()
             .brif(takes_first, known, &[none.into()], count_all, &[]);
@@ -151,6 +152,7 @@ impl Emitter<'_> {
             this.jump(next);
         });
         let count = self.builder.use_var(count);
+        self.advance_updates();
         self.builder
             .ins()
             .brif(count, ask, &[], known, &[none.into()]);
@@ -248,7 +250,7 @@ impl Emitter<'_> {
         let value = self.builder.append_block_param(head, ty);
         let start = self.number(ty, first);
         self.jump_with(head, start);
-        self.begin(head);
+        self.begin_loop(head);
         self.count_one(counting, origin);
         let outer = self.scope.locals[local as usize];
         self.scope.locals[local as usize] = match span {

@@ -4,7 +4,7 @@ use crate::emit::{EmitScope, Emitter, KnownValue, Ssa, UpdateMode};
 use crate::frame::at;
 use crate::limits::MAX_INLINED;
 use crate::static_analysis::{counts, is_repeatable};
-use asmotion_ir::{AssignTarget, Local, Origin, RoutineId, Rule, RuleNode, Term};
+use asmotion_ir::{AssignTarget, Counter, Local, Origin, RoutineId, Rule, RuleNode, Term};
 use asmotion_machine::back_end::{MAX_CALLS, MAX_ITERATIONS};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I32;
@@ -13,7 +13,35 @@ use cranelift_codegen::ir::{Block, InstBuilder};
 impl Emitter<'_> {
     /// Generates code for a rule; the code that follows continues after it.
     pub fn rule(&mut self, rule: &Rule) {
+        let end = self.end.take();
+        // these end with rules that can jump there themselves
+        let ends_itself = matches!(
+            &*rule.node,
+            RuleNode::If(..)
+                | RuleNode::Switch(..)
+                | RuleNode::Par(_)
+                | RuleNode::Let(..)
+                | RuleNode::Call(..)
+                | RuleNode::Counted(Counter::Count(_), _)
+        );
+        let is_passed = ends_itself && self.mode == UpdateMode::Step;
+        self.end = end.filter(|_| is_passed);
         stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.rule_here(rule));
+        let unpassed = end.filter(|_| !is_passed);
+        if let Some(end) = unpassed.or_else(|| self.end.take()) {
+            self.jump(end);
+        }
+    }
+
+    /// Generates code for a rule, which ends with a jump. In a direct rule, a branch at its end jumps there at once.
+    pub fn rule_until(&mut self, rule: &Rule, end: Block) {
+        if self.direct.is_some() {
+            self.end = Some(end);
+            self.rule(rule);
+        } else {
+            self.rule(rule);
+            self.jump(end);
+        }
     }
 
     fn rule_here(&mut self, rule: &Rule) {
@@ -99,7 +127,15 @@ impl Emitter<'_> {
 
     fn par(&mut self, rule: &Rule, rules: &[Rule]) {
         match self.mode {
-            UpdateMode::Step | UpdateMode::Layer => rules.iter().for_each(|rule| self.rule(rule)),
+            UpdateMode::Step | UpdateMode::Layer => {
+                let Some((last, others)) = rules.split_last() else {
+                    return;
+                };
+                let end = self.end.take();
+                others.iter().for_each(|rule| self.rule(rule));
+                self.end = end;
+                self.rule(last);
+            }
             UpdateMode::Sequence => self.par_in_sequence(rule, rules),
         }
     }
@@ -119,15 +155,21 @@ impl Emitter<'_> {
     }
 
     fn choice(&mut self, guard: &Term, then: &Rule, otherwise: &Rule) {
-        let (yes, no, done) = (self.block(), self.block(), self.block());
-        self.guard(guard, yes, no);
+        let end = self.end.take();
+        let done = end.unwrap_or_else(|| self.block());
+        let yes = self.block();
+        let is_skipped = matches!(&*otherwise.node, RuleNode::Skip);
+        let no = (!is_skipped).then(|| self.block());
+        self.guard(guard, yes, no.unwrap_or(done));
         self.begin(yes);
-        self.conditionally(|this| this.rule(then));
-        self.jump(done);
-        self.begin(no);
-        self.conditionally(|this| this.rule(otherwise));
-        self.jump(done);
-        self.begin(done);
+        self.conditionally(|this| this.rule_until(then, done));
+        if let Some(no) = no {
+            self.begin(no);
+            self.conditionally(|this| this.rule_until(otherwise, done));
+        }
+        if end.is_none() {
+            self.begin(done);
+        }
     }
 
     fn bound(&mut self, rule: &Rule, bindings: &[(Local, Term)], body: &Rule) {
@@ -248,7 +290,7 @@ impl Emitter<'_> {
         }
         let (head, done) = (self.block(), self.block());
         self.jump(head);
-        self.begin(head);
+        self.begin_loop(head);
         let run = self.run();
         let before = self.load(self.memory.run, I32, run, at::ITERATIONS);
         let many = self.compare(

@@ -23,7 +23,8 @@ impl Emitter<'_> {
         if !self.is_native(subject) || !cases.iter().all(is_constant) {
             return self.rule_outside(rule);
         }
-        let done = self.block();
+        let end = self.end.take();
+        let done = end.unwrap_or_else(|| self.block());
         let native = |this: &mut Self| {
             let subject = this.scalar(subject);
             if let Some(table) = this.case_table(subject, cases, done) {
@@ -31,10 +32,17 @@ impl Emitter<'_> {
             } else {
                 this.case_chain(subject, cases, done);
             }
-            this.conditionally(|this| this.rule(otherwise));
+            this.conditionally(|this| this.rule_until(otherwise, done));
+        };
+        let outside = |this: &mut Self| {
+            this.rule_outside(rule);
+            this.jump(done);
         };
         let counts = self.any_counts([subject]);
-        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+        self.unit(counts, native, outside, None);
+        if end.is_none() {
+            self.begin(done);
+        }
     }
 
     /// Generates comparisons with the cases in order; the code that follows is executed if there is none.
@@ -46,8 +54,7 @@ impl Emitter<'_> {
             let (here, next) = (self.block(), self.block());
             self.branch(same, here, next);
             self.begin(here);
-            self.conditionally(|this| this.rule(rule));
-            self.jump(done);
+            self.conditionally(|this| this.rule_until(rule, done));
             self.begin(next);
         }
     }
@@ -87,11 +94,11 @@ impl Emitter<'_> {
             }
         }
         let none = self.block();
+        self.advance_updates();
         table.emit(&mut self.builder, value, none);
         for (here, rule) in rules {
             self.begin(here);
-            self.conditionally(|this| this.rule(rule));
-            self.jump(done);
+            self.conditionally(|this| this.rule_until(rule, done));
         }
         Some(none)
     }

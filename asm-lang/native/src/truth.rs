@@ -25,6 +25,9 @@ impl Emitter<'_> {
                 None => self.term_outside(term, layout::BOOL, I8),
             };
         }
+        if let TermNode::Constant(Value::Bool(truth)) = &*term.node {
+            return self.number(I8, i64::from(*truth));
+        }
         let (yes, no, done) = (self.block(), self.block(), self.block());
         let result = self.builder.append_block_param(done, I8);
         self.test(term, yes, no);
