@@ -18,6 +18,7 @@
 
 mod action;
 mod caller;
+mod circle;
 mod clock;
 mod context;
 mod error;
@@ -32,6 +33,7 @@ mod notice;
 mod parameter;
 mod provider;
 mod publication;
+mod reader;
 mod registrar;
 mod relays;
 mod server;
