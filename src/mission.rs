@@ -339,7 +339,7 @@ impl Mission {
             contacts.push(contact.without_commands());
         }
         let client = self.connect_clients(&mut system, &mut network, plan, &part)?;
-        successor.set_network(network.running());
+        successor.set_network(network.running(), client.clients());
         drop(network);
         let recorder = MissionRecorder::start(&self.recorded(), &opened, plan, &mut system);
         let mut recorder = recorder.map_err(MissionError::Launch)?;
@@ -494,6 +494,7 @@ impl Mission {
             if successor.process_requests(run) {
                 bridges.follow();
                 let version = successor.running();
+                self.watch_robots(contacts, successor);
                 for contact in &mut *contacts {
                     contact.follow(&version.plan, &version.part);
                     contact.process_orders(run);
@@ -536,6 +537,18 @@ impl Mission {
             ReportInterest::All
         } else {
             ReportInterest::Except(&[STEP_REPORT])
+        }
+    }
+
+    /// Compares services of other robots that a new version calls with their announcements.
+    fn watch_robots(&self, contacts: &mut [ProcessContact<'_>], successor: &VersionSwitch<'_>) {
+        // the contacts of gateways and of the dashboard follow those of the brokers
+        for (contact, services) in contacts.iter_mut().zip(successor.new_robot_services()) {
+            if let Err(error) = contact.watch_robots(services) {
+                (self.notice)(&format!(
+                    "services of other robots are not compared with what they announce: {error}"
+                ));
+            }
         }
     }
 

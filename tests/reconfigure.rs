@@ -2,6 +2,7 @@
 
 mod over_brokers;
 mod topics_over_brokers;
+mod wires_outside;
 
 use crate::processes::{
     Running, over, run_any, three_processes, through, tool, wait_until_present,
@@ -203,9 +204,22 @@ fn c18_a_component_is_removed_from_a_running_process_and_added_again() {
     let (code, _, err) = run(&["reconfigure", path]);
     assert_eq!(code, Some(1), "{err}");
     let reason = "planning: NEEDS_START: the connection from `TrajectoryAdapter.obstacles` to \
-                  `TrajectoryPlanner.obstacles` over a broker differs in its policy";
+                  `TrajectoryPlanner.obstacles` needs another queue at the broker: remove it, and add it with its new policy in a \
+                  second step";
     assert!(err.contains(reason), "{err}");
     assert!(err.contains("runs unchanged"), "{err}");
+
+    // everything else of its policy is a matter of the reader
+    let aged = to.replace("\"data\"", "\"data\", max_age_ms = 60000");
+    becomes(&[REAR_LASER, &[(to, &*aged)]].concat());
+    let changed = "onboard: no changes\n\
+                   planning: `TrajectoryPlanner.obstacles` no longer receives bus topic port.TrajectoryAdapter.obstacles\n\
+                   planning: `TrajectoryPlanner.obstacles` receives bus topic port.TrajectoryAdapter.obstacles\n";
+    let (code, out, err) = run(&["reconfigure", path]);
+    assert_eq!((code, &*out), (Some(0), changed), "{err}");
+    becomes(REAR_LASER);
+    let (code, out, err) = run(&["reconfigure", path]);
+    assert_eq!((code, &*out), (Some(0), changed), "{err}");
 
     becomes(&[]);
     let removed = "onboard: `World.truth` is disconnected from `RearLaser.truth`\n\

@@ -364,8 +364,7 @@ impl Mission {
         connected: &'m [ConnectedBroker],
     ) -> Result<VersionSwitch<'m>, MissionError> {
         let locations: Vec<&str> = connected.iter().map(|it| &*it.location).collect();
-        let buses = connected.iter().map(|it| &*it.bus);
-        let successor = VersionSwitch::new(self, path, plan, part, buses);
+        let successor = VersionSwitch::new(self, path, plan, part, connected);
         successor.map_err(|reason| broker_error(&locations.join(", "), reason))
     }
 }

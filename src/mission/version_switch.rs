@@ -3,16 +3,17 @@
 
 use std::sync::Arc;
 
-use asmotion_assembly::reconfigure::{Version, changes};
+use asmotion_assembly::reconfigure::{Clients, Version, changes};
 use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Loader, Style, render_all};
-use asmotion_network::RunningNetwork;
+use asmotion_network::{RobotService, RunningNetwork};
 use asmotion_plan::{Opened, Part, Plan};
 use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 
 use super::Mission;
+use super::connected_broker::ConnectedBroker;
 use crate::files::{DiskLoader, SentFiles};
 use crate::programs::RunningPrograms;
 
@@ -47,6 +48,10 @@ pub(super) struct VersionSwitch<'m> {
     calls: Vec<ServedAddress>,
     /// The buses of the running system.
     network: RunningNetwork,
+    /// Names of the buses in the composite; `None` for the only one.
+    bus_names: Vec<Option<String>>,
+    /// The clients of other systems.
+    clients: Option<Clients>,
 }
 
 impl<'m> VersionSwitch<'m> {
@@ -56,24 +61,37 @@ impl<'m> VersionSwitch<'m> {
         path: &'m str,
         plan: &Plan,
         part: &Part,
-        buses: impl Iterator<Item = &'m dyn Bus>,
+        buses: &'m [ConnectedBroker],
     ) -> Result<Self, BusError> {
         let process = mission.process.as_deref().unwrap_or(&plan.name);
         let address = reconfigure_address(process);
-        let serve = |bus: &dyn Bus| bus.serve(&address, WAITING, Arc::new(Notifier::new()));
+        let serve =
+            |it: &ConnectedBroker| it.bus.serve(&address, WAITING, Arc::new(Notifier::new()));
         Ok(Self {
             mission,
             path,
             running: version_of(mission, plan, part.clone(), Arc::new(DiskLoader)),
             opened: None,
-            calls: buses.map(serve).collect::<Result<_, _>>()?,
+            calls: buses.iter().map(serve).collect::<Result<_, _>>()?,
             network: RunningNetwork::default(),
+            bus_names: buses.iter().map(|it| it.name.clone()).collect(),
+            clients: None,
         })
     }
 
-    /// Sets the buses that the ends of later versions use.
-    pub(super) fn set_network(&mut self, network: RunningNetwork) {
+    /// Sets the buses that the ends of later versions use, and the clients of other systems.
+    pub(super) fn set_network(&mut self, network: RunningNetwork, clients: Clients) {
         self.network = network;
+        self.clients = Some(clients);
+    }
+
+    /// Takes the services of other robots to which later versions have wired references: for each bus, in the order in which the
+    /// process is connected to them.
+    pub(super) fn new_robot_services(&self) -> Vec<Vec<Arc<RobotService>>> {
+        let names = self.bus_names.iter();
+        names
+            .map(|name| self.network.new_robot_services(name.as_deref()))
+            .collect()
     }
 
     /// Returns the running version.
@@ -166,8 +184,13 @@ impl<'m> VersionSwitch<'m> {
             Some(plan) => {
                 let part = self.mission.part(plan);
                 let part = part.map_err(|error| refusal("BAD_COMPOSITE", error))?;
+                let reached = self.mission.check_outside(plan);
+                reached.map_err(|error| refusal("NEEDS_START", error))?;
                 let version = version_of(self.mission, plan, part, Arc::new(sent));
-                let version = version.on_buses(self.network.clone());
+                let mut version = version.on_buses(self.network.clone());
+                if let Some(clients) = &self.clients {
+                    version = version.with_clients(Arc::clone(clients));
+                }
                 Ok((opened, version))
             }
         }

@@ -54,7 +54,7 @@ default init s0:
 	function heard = 0
 ";
 
-const ADDER: &str = "asm adder
+pub(super) const ADDER: &str = "asm adder
 import StandardLibrary
 import CommonBehavior
 signature:
@@ -73,7 +73,7 @@ default init s0:
 ";
 
 /// Asks again and again; a fault ends a call.
-const ASKER: &str = "asm asker
+pub(super) const ASKER: &str = "asm asker
 import StandardLibrary
 import CommonBehavior
 signature:

@@ -118,6 +118,56 @@ fn c17_in_four_processes_with_the_driver_and_its_proxy_apart() {
     }
 }
 
+/// A library that shows a process another time of day, ahead by as many seconds as `AHEAD` says; the monotonic clock is as it is.
+const WRONG_CLOCK: &str = "
+#define _GNU_SOURCE
+#include <stdlib.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+int clock_gettime(clockid_t clock, struct timespec *time) {
+    int result = (int)syscall(SYS_clock_gettime, clock, time);
+    if (result == 0 && clock == CLOCK_REALTIME) {
+        time->tv_sec += atol(getenv(\"AHEAD\"));
+    }
+    return result;
+}
+";
+
+/// A station whose clock differs by more than the timeout of every call, as on a computer that has lost its battery.
+#[test]
+#[cfg(target_os = "linux")]
+fn c17_a_station_with_a_wrong_clock_moves_the_arm() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    if !asmotion_skip::has_compiler() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (source, library) = (
+        folder.path().join("clock.c"),
+        folder.path().join("clock.so"),
+    );
+    std::fs::write(&source, WRONG_CLOCK).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-shared", "-fPIC", "-o"]).arg(&library);
+    assert!(compiler.arg(&source).status().unwrap().success());
+    let robot: &[&str] = &["Driver/youBotDriver", "Driver/SCAyouBotDriver"];
+    let station: &[&str] = &["Locomotor", "Kinematics", "Operator"];
+    let composite = placed(folder.path(), &[("robot", robot), ("station", station)]);
+    let expected = expected();
+    for ahead in ["3600", "-3600"] {
+        let vhost = broker.vhost().unwrap();
+        let robot = started(&composite, &vhost, "robot");
+        let mut station = process(&composite, &vhost, "station");
+        station.env("LD_PRELOAD", &library).env("AHEAD", ahead);
+        let modes = first_modes(&mut station, expected.len());
+        assert_eq!(modes, expected, "ahead by {ahead} s");
+        assert!(robot.interrupt().status.success());
+    }
+}
+
 /// The state of `asmotion top`.
 struct Monitor {
     bus: AmqpBus,

@@ -90,6 +90,23 @@ fn has_nothing_of_the_steps_before() {
     }
 }
 
+#[test]
+fn of_a_copy_of_a_machine_has_what_that_of_the_machine_has() {
+    let opened = super::opened("records", &specification(&ACTIONS));
+    let mut machine = opened.machine().unwrap();
+    machine.keep_candidates();
+    let mut copy = machine.clone();
+    for machine in [&mut machine, &mut copy] {
+        machine.step(&mut One, &mut Seeded::new(1), 0).unwrap();
+    }
+    assert_eq!(sizes(&copy), sizes(&machine));
+    // a copy begins without the record of the machine's last step
+    assert_eq!(sizes(&machine.clone()), [0; 6]);
+    let (one, other) = (machine.last_step(), copy.last_step());
+    assert_eq!(one.candidates().len(), 1);
+    assert_eq!(one.candidates(), other.candidates());
+}
+
 /// Takes the candidate with this index in every choice.
 struct Index(usize);
 

@@ -22,7 +22,7 @@ use asmotion_runtime::{Change, Run};
 
 use difference::Difference;
 pub use fixed_part::FixedPart;
-pub use version::Version;
+pub use version::{Clients, Version};
 
 /// Returns the changes that turn a running system into another version: removed connections and wires, removed and added
 /// components, then everything else.

@@ -1,7 +1,9 @@
 //! Systems started from composites.
 #![allow(clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod abroad;
 mod additions;
+mod calls;
 mod deployment;
 mod reconfigure;
 #[path = "../../plan/tests/support/render.rs"]

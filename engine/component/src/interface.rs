@@ -37,6 +37,8 @@ pub struct Interface {
     /// Positions of the ports of a running component that its successor has not declared yet.
     inherited_inputs: BTreeSet<usize>,
     inherited_outputs: BTreeSet<usize>,
+    /// The operations called by a running component that its successor has not declared yet.
+    inherited_operations: Vec<OperationSlot>,
 }
 
 /// The contents of an [`Interface`] for a runtime: the tables that the component's handles index.
@@ -76,11 +78,13 @@ impl Interface {
             required: Vec::new(),
             inherited_inputs: BTreeSet::new(),
             inherited_outputs: BTreeSet::new(),
+            inherited_operations: Vec::new(),
         }
     }
 
     /// Creates an interface for the successor of a running component. A port that both declare keeps its position, and new ports
-    /// follow. A port that the successor does not declare stays, without a use.
+    /// follow. A port that the successor does not declare stays, without a use. The same holds for references and the operations
+    /// called through them.
     pub fn following(running: &Declaration) -> Self {
         let mut interface = Self::new();
         for port in &running.inputs {
@@ -95,6 +99,14 @@ impl Interface {
         interface.inherited_outputs = (0..running.outputs.len()).collect();
         interface.declaration.inputs.clone_from(&running.inputs);
         interface.declaration.outputs.clone_from(&running.outputs);
+        let references = running.references.iter().enumerate();
+        let operations = references.flat_map(|(port, reference)| {
+            let operations = 0..reference.operations.len();
+            operations.map(move |operation| OperationSlot { port, operation })
+        });
+        interface.inherited_operations = operations.collect();
+        let references = &mut interface.declaration.references;
+        references.clone_from(&running.references);
         interface
     }
 
@@ -465,10 +477,24 @@ impl Interface {
             });
         }
         let reference = &mut references[port];
+        let is_same = |it: &OperationSlot| {
+            it.port == port && reference.operations[it.operation].name == operation.name
+        };
+        let inherited = self.inherited_operations.iter().position(is_same);
         let operations = &mut reference.operations;
-        let problem = add_operation(name, &reference.interface, interface, operations, operation);
-        self.problems.extend(problem);
-        let operation = reference.operations.len() - 1;
+        let operation = match inherited.filter(|_| reference.interface == interface) {
+            Some(index) => {
+                let slot = self.inherited_operations.swap_remove(index);
+                operations[slot.operation] = operation;
+                slot.operation
+            }
+            None => {
+                let first = &reference.interface;
+                let problem = add_operation(name, first, interface, operations, operation);
+                self.problems.extend(problem);
+                operations.len() - 1
+            }
+        };
         self.required.push(OperationSlot { port, operation });
         Required::new(self.owner, self.required.len() - 1)
     }

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
-use asmotion_bus::BusError;
+use asmotion_bus::{BusError, ServiceClient};
 use asmotion_component::HEALTH_TOPIC;
 use asmotion_port::{BufferKind, Policy, Time};
 use asmotion_runtime::{
-    ComponentEnd, Effects, InjectionPorts, LiveContext, OpenedEnd, OuterInput, OuterService,
-    System, SystemTopic,
+    ComponentEnd, Effects, InjectionPort, InjectionPorts, LiveContext, OpenedEnd, OuterInput,
+    OuterService, System, SystemTopic,
 };
 
 use crate::health::HealthPublisher;
@@ -17,6 +17,7 @@ use crate::identity::BusIdentity;
 use crate::offered::{self, OfferedOperation, OfferedOperations};
 use crate::remote::{BusClient, CallerIdentity, RemoteRoute, RemoteService};
 use crate::remote_ends::{OfferedService, RemoteEnds, is_on, outer_service, outer_topic};
+use crate::robot_service::RobotService;
 use crate::subscription::TopicSubscription;
 use crate::topics;
 
@@ -42,6 +43,8 @@ struct AttachedEnds {
     subscriptions: Vec<TopicSubscription>,
     offered: OfferedOperations,
     remote: Vec<RemoteService>,
+    /// Services of other robots that are not compared with their announcements yet.
+    expected: Vec<Arc<RobotService>>,
     health: HealthPublisher,
     /// Injection ports of the subscribers of [`HEALTH_TOPIC`].
     health_ports: InjectionPorts,
@@ -92,6 +95,7 @@ impl Attachment {
                 subscriptions: Vec::new(),
                 offered: OfferedOperations::default(),
                 remote: Vec::new(),
+                expected: Vec::new(),
                 health: HealthPublisher::new(&health),
                 health_ports: system.injection_topics(&health),
             }),
@@ -143,6 +147,7 @@ impl Attachment {
             remote,
             health,
             health_ports,
+            ..
         } = &mut *self.lock();
         health.publish(|| self.identity.bus.health(), health_ports, now, effects);
         for subscription in subscriptions {
@@ -188,7 +193,8 @@ impl Attachment {
         Ok(())
     }
 
-    /// Subscribes an input to a topic. `reader` is the name of its component outside.
+    /// Subscribes an input to a topic. `reader` is the name of its component outside. If the input is subscribed already with the
+    /// same queue, the new connection takes its messages over.
     pub(crate) fn open_subscription(
         self: &Arc<Self>,
         reader: &str,
@@ -196,11 +202,23 @@ impl Attachment {
         kind: BufferKind,
         input: OuterInput<'_>,
     ) -> Result<AttachedSubscription, BusError> {
+        let attachment = Arc::downgrade(self);
+        let suits = |it: &&TopicSubscription| it.suits((reader, topic), input.port.name(), kind);
+        let known = self.lock().subscriptions.iter().find(suits).cloned();
+        if let Some(subscription) = known {
+            subscription.set_successor(true);
+            return Ok(AttachedSubscription {
+                attachment,
+                subscription,
+                successor: Some(input.port),
+            });
+        }
         let own = self.own_incarnation;
         let subscription = TopicSubscription::new(reader, topic, kind, input, own, &self.identity)?;
         Ok(AttachedSubscription {
-            attachment: Arc::downgrade(self),
+            attachment,
             subscription,
+            successor: None,
         })
     }
 
@@ -246,13 +264,29 @@ impl Attachment {
 
     /// Calls a service of another process. The end is closed once the reference is gone and its calls have ended.
     pub(crate) fn call(&self, route: RemoteRoute) {
+        let client = BusClient(Arc::clone(&self.identity.bus));
+        self.call_through(Arc::new(client), route);
+    }
+
+    /// Calls a service as [`call`](Self::call) does, through this client.
+    pub(crate) fn call_through(&self, client: Arc<dyn ServiceClient>, route: RemoteRoute) {
         let caller = CallerIdentity {
-            client: Arc::new(BusClient(Arc::clone(&self.identity.bus))),
+            client,
             incarnation: self.identity.incarnation,
             notifier: Arc::clone(&self.identity.notifier),
         };
         let remote = RemoteService::new(route, caller);
         self.lock().remote.push(remote);
+    }
+
+    /// Adds a service of another robot that is to be compared with its announcement.
+    pub(crate) fn expect(&self, service: &Arc<RobotService>) {
+        self.lock().expected.push(Arc::clone(service));
+    }
+
+    /// Takes the services that have been added by [`expect`](Self::expect).
+    pub(crate) fn take_expected(&self) -> Vec<Arc<RobotService>> {
+        std::mem::take(&mut self.lock().expected)
     }
 }
 
@@ -260,6 +294,8 @@ impl Attachment {
 pub(crate) struct AttachedSubscription {
     attachment: Weak<Attachment>,
     subscription: TopicSubscription,
+    /// The connection that takes over the messages of another one of the same input, until it [begins](OpenedEnd::begin).
+    successor: Option<InjectionPort>,
 }
 
 impl OpenedEnd for AttachedSubscription {
@@ -267,6 +303,10 @@ impl OpenedEnd for AttachedSubscription {
         let Some(attachment) = self.attachment.upgrade() else {
             return;
         };
+        if let Some(port) = self.successor.take() {
+            self.subscription.continue_through(port);
+            return;
+        }
         if let Some(context) = attachment.live.get() {
             self.subscription.start_live(context);
         }
@@ -279,6 +319,14 @@ impl OpenedEnd for AttachedSubscription {
 
 impl Drop for AttachedSubscription {
     fn drop(&mut self) {
+        if self.successor.is_some() {
+            // the change was refused, and the other connection stays
+            self.subscription.set_successor(false);
+            return;
+        }
+        if self.subscription.pause() {
+            return;
+        }
         if let Some(attachment) = self.attachment.upgrade() {
             let subscriptions = &mut attachment.lock().subscriptions;
             subscriptions.retain(|it| !it.is_same(&self.subscription));

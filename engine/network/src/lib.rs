@@ -25,4 +25,5 @@ pub use failure::call_error;
 pub use network::Network;
 pub use remote_ends::port_topic;
 pub use robot_service::{AnnouncedOperation, AnnouncedService, RobotService};
-pub use running::{OuterName, RunningNetwork};
+pub use running::{KnownOperations, OuterCaller, OuterName, RunningNetwork};
+pub use subscription::has_same_queue;

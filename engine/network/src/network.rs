@@ -6,14 +6,13 @@ use std::sync::Arc;
 use asmotion_bus::{Bus, BusError, PublishOptions, RobotAddress, ServiceClient};
 use asmotion_component::Wire;
 use asmotion_component::declaration::{OperationDeclaration, ReferenceDeclaration};
-use asmotion_datum::Shape;
 use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 
 use crate::adapter::{BusAdapter, CallingAdapter, ServingAdapter};
 use crate::error::NetworkError;
 use crate::remote::{CallerIdentity, RemoteRoute, RemoteService};
 use crate::remote_ends::{
-    OfferedService, RemoteEnds, RemoteReference, address, caller_and_service, is_on,
+    OfferedService, RemoteEnds, RemoteReference, address, caller_and_service, complete_types, is_on,
 };
 use crate::robot_service::RobotService;
 use crate::running::RunningNetwork;
@@ -402,17 +401,4 @@ fn expected_operations(
     let known = known(&expected.interface).unwrap_or_default();
     complete_types(&mut expected, &known);
     Ok(expected)
-}
-
-/// Gives operations that a reference declares without types those of its interface.
-fn complete_types(reference: &mut ReferenceDeclaration, known: &[OperationDeclaration]) {
-    for operation in &mut reference.operations {
-        let of_interface = known.iter().find(|it| it.name == operation.name);
-        if let Some(of_interface) = of_interface
-            && operation.request.shape == Shape::Any
-            && operation.response.shape == Shape::Any
-        {
-            operation.clone_from(of_interface);
-        }
-    }
 }

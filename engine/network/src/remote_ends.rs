@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use asmotion_bus::PublishOptions;
+use asmotion_component::declaration::{OperationDeclaration, ReferenceDeclaration};
+use asmotion_datum::Shape;
 use asmotion_runtime::ComponentEnd;
 
 use crate::remote::RemoteRoute;
@@ -68,4 +70,17 @@ pub(crate) fn address(service: &str, operation: &str) -> String {
 pub(crate) fn caller_and_service(from: &str, service: &str) -> (String, String) {
     let (caller, reference) = from.rsplit_once('.').unwrap_or((from, ""));
     (caller.to_owned(), format!("`{reference}` at {service}"))
+}
+
+/// Gives operations that a reference declares without types those of its interface.
+pub(crate) fn complete_types(reference: &mut ReferenceDeclaration, known: &[OperationDeclaration]) {
+    for operation in &mut reference.operations {
+        let of_interface = known.iter().find(|it| it.name == operation.name);
+        if let Some(of_interface) = of_interface
+            && operation.request.shape == Shape::Any
+            && operation.response.shape == Shape::Any
+        {
+            operation.clone_from(of_interface);
+        }
+    }
 }

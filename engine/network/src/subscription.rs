@@ -4,7 +4,7 @@
 //! messages enter between two steps, so they wait for the adapter.
 
 use std::sync::atomic::{AtomicBool, Ordering, fence};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 
 use asmotion_bus::{
     BusError, Notifier, Overflow, Pattern, QueuePolicy, Subscription, SubscriptionCounts,
@@ -50,6 +50,11 @@ struct DeliveryGate {
     context: OnceLock<LiveContext>,
     /// There may be messages that no thread is about to drain; see the type's documentation.
     pending: AtomicBool,
+    /// Another connection into the same input is to take the messages over. Set and cleared by the owner of the system.
+    has_successor: AtomicBool,
+    /// Name of the reader outside, and the topic.
+    name: (String, String),
+    queue: QueuePolicy,
     /// `None` until the subscription has been made.
     route: Mutex<Option<TopicRoute>>,
 }
@@ -66,7 +71,10 @@ enum Ages {
 /// The route from a topic to a port.
 struct TopicRoute {
     subscription: Subscription,
-    port: InjectionPort,
+    /// `None` after a connection has been closed, until its successor takes over: messages wait.
+    port: Option<InjectionPort>,
+    /// Full name of the input.
+    input: String,
     /// Schema of the port's type.
     schema: Schema,
     /// The cause of the next cycle of the port's component.
@@ -94,6 +102,9 @@ impl TopicSubscription {
             notifier: Arc::clone(&identity.notifier),
             context: OnceLock::new(),
             pending: AtomicBool::new(false),
+            has_successor: AtomicBool::new(false),
+            name: (reader.to_owned(), topic.to_owned()),
+            queue: queue_policy(kind),
             route: Mutex::default(),
         });
         // weak, because the gate owns the subscription, which owns the notifier
@@ -104,18 +115,55 @@ impl TopicSubscription {
             }
         });
         let pattern = Pattern::new(topic);
-        let (policy, notifier) = (queue_policy(kind), Arc::new(notifier));
+        let (policy, notifier) = (gate.queue, Arc::new(notifier));
         let route = TopicRoute {
             subscription: identity.bus.subscribe(reader, &pattern, policy, notifier)?,
-            port: input.port,
+            input: input.port.name().to_owned(),
+            port: Some(input.port),
             schema: input.schema.clone(),
             cause: input.cause,
             own_incarnation,
             lost: SubscriptionCounts::default(),
             discarded: 0,
         };
-        *gate.route.lock().unwrap_or_else(PoisonError::into_inner) = Some(route);
+        *gate.lock() = Some(route);
         Ok(Self(gate))
+    }
+
+    /// Returns whether another connection into this input can take the messages of the topic over.
+    pub(crate) fn suits(
+        &self,
+        (reader, topic): (&str, &str),
+        input: &str,
+        kind: BufferKind,
+    ) -> bool {
+        let gate = &self.0;
+        let has_input = |route: &TopicRoute| route.input == input;
+        (&*gate.name.0, &*gate.name.1) == (reader, topic)
+            && gate.queue == queue_policy(kind)
+            && gate.lock().as_ref().is_some_and(has_input)
+    }
+
+    /// Announces a connection that takes the messages over once the present one is closed, or takes the announcement back.
+    pub(crate) fn set_successor(&self, is_announced: bool) {
+        self.0.has_successor.store(is_announced, Ordering::Relaxed);
+    }
+
+    /// Closes the present connection and lets messages wait for its successor. Returns whether there is one.
+    pub(crate) fn pause(&self) -> bool {
+        let has_successor = self.0.has_successor.swap(false, Ordering::Relaxed);
+        if has_successor && let Some(route) = &mut *self.0.lock() {
+            route.port = None;
+        }
+        has_successor
+    }
+
+    /// Has the messages moved through this connection from now on, those that have waited first.
+    pub(crate) fn continue_through(&self, port: InjectionPort) {
+        if let Some(route) = &mut *self.0.lock() {
+            route.port = Some(port);
+        }
+        self.notify();
     }
 
     /// Returns whether both are the same subscription.
@@ -141,6 +189,10 @@ impl TopicSubscription {
 }
 
 impl DeliveryGate {
+    fn lock(&self) -> MutexGuard<'_, Option<TopicRoute>> {
+        self.route.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Called by a thread of the bus after it has queued a message.
     fn notify(&self) {
         match self.context.get() {
@@ -175,7 +227,10 @@ impl DeliveryGate {
 
 impl TopicRoute {
     fn drain(&mut self, now: Time, ages: Ages, effects: &mut dyn Effects) {
-        self.report_discarded(now, effects);
+        let Some(mut port) = self.port.take() else {
+            return;
+        };
+        self.report_discarded(&mut port, now, effects);
         while let Some(envelope) = self.subscription.try_next() {
             if self.own_incarnation == Some(envelope.incarnation) {
                 continue;
@@ -190,18 +245,19 @@ impl TopicRoute {
                         Ages::Ignored => now,
                     };
                     let written = (&*envelope.source, written);
-                    self.port.inject_written(&sample, written, now, effects);
+                    port.inject_written(&sample, written, now, effects);
                 }
-                Err(reason) => self.port.count_dropped(1, Some(&reason), now, effects),
+                Err(reason) => port.count_dropped(1, Some(&reason), now, effects),
             }
         }
-        self.report_lost(now, effects);
+        self.report_lost(&mut port, now, effects);
+        self.port = Some(port);
     }
 }
 
 impl TopicRoute {
     /// Reports the messages that did not reach the port since the last call, by cause.
-    fn report_lost(&mut self, now: Time, effects: &mut dyn Effects) {
+    fn report_lost(&mut self, port: &mut InjectionPort, now: Time, effects: &mut dyn Effects) {
         let now_lost = self.subscription.counts();
         let before = std::mem::replace(&mut self.lost, now_lost);
         let causes = [
@@ -220,14 +276,13 @@ impl TopicRoute {
         for (count, before, reason) in causes {
             if count > before {
                 let reason = DatumError::new(DatumProblem::Mismatch(reason.to_owned()));
-                let new = count - before;
-                self.port.count_dropped(new, Some(&reason), now, effects);
+                port.count_dropped(count - before, Some(&reason), now, effects);
             }
         }
     }
 
     /// Reports the messages that were sent before this process started, and waited for an earlier run of it.
-    fn report_discarded(&mut self, now: Time, effects: &mut dyn Effects) {
+    fn report_discarded(&mut self, port: &mut InjectionPort, now: Time, effects: &mut dyn Effects) {
         let discarded = self.subscription.counts().discarded;
         let new = discarded.saturating_sub(self.discarded);
         if new == 0 {
@@ -237,8 +292,14 @@ impl TopicRoute {
         let reason =
             "they waited for an earlier run of this process, which ended without reading them";
         let reason = DatumError::new(DatumProblem::Mismatch(reason.to_owned()));
-        self.port.count_dropped(new, Some(&reason), now, effects);
+        port.count_dropped(new, Some(&reason), now, effects);
     }
+}
+
+/// Returns whether connections of these kinds have the same queue on a bus, so that one can take the messages of the other over
+/// while a system runs.
+pub fn has_same_queue(one: BufferKind, other: BufferKind) -> bool {
+    queue_policy(one) == queue_policy(other)
 }
 
 /// The policy of the bus' queue for a port: only the newest message, if the connection keeps no more, and the same messages

@@ -53,7 +53,7 @@ pub struct ProcessContact<'p> {
     /// Clocks that differ from ours, not yet taken by the owner.
     wrong_clocks: Vec<ClockOffset>,
     /// Services of other robots.
-    robot_watch: Option<RobotWatch>,
+    robot_watch: RobotWatch,
     /// What is wrong with services of other robots, not yet taken by the owner.
     robot_problems: Vec<String>,
 }
@@ -98,7 +98,7 @@ impl<'p> ProcessContact<'p> {
             known_processes: BTreeSet::from([(process.into(), incarnation, 0)]),
             clocks: ClockWatch::default(),
             wrong_clocks: Vec::new(),
-            robot_watch: None,
+            robot_watch: RobotWatch::default(),
             robot_problems: Vec::new(),
         })
     }
@@ -112,15 +112,14 @@ impl<'p> ProcessContact<'p> {
         }
     }
 
-    /// Compares services of other robots with what these announce on the bus.
+    /// Compares services of other robots, in addition to those before, with what these announce on the bus. Services that nothing
+    /// calls any more are forgotten.
     ///
     /// # Errors
     /// An error of the bus, for example a missing permission.
     pub fn watch_robots(&mut self, services: Vec<Arc<RobotService>>) -> Result<(), BusError> {
-        if !services.is_empty() {
-            self.robot_watch = Some(RobotWatch::new(self.bus, services)?);
-        }
-        Ok(())
+        self.robot_watch.forget_uncalled();
+        self.robot_watch.add(self.bus, services)
     }
 
     /// Does the work that is due: carries out orders, sends its presence to newcomers, and publishes it once a second.
@@ -130,9 +129,7 @@ impl<'p> ProcessContact<'p> {
         }
         self.reply_to_orders(run.now());
         self.publish_for_new_processes();
-        if let Some(robots) = &mut self.robot_watch {
-            self.robot_problems.extend(robots.process());
-        }
+        self.robot_problems.extend(self.robot_watch.process());
         self.presence_publisher.publish_if_due(run);
     }
 

@@ -12,6 +12,7 @@ use crate::presence::{Presence, PresentComponent, PresentService, RobotPresence,
 use crate::remote::listen;
 
 /// The services of other robots that a process calls, and the presence of these robots.
+#[derive(Default)]
 pub(crate) struct RobotWatch {
     robots: Vec<WatchedRobot>,
 }
@@ -44,31 +45,43 @@ struct AnnouncedNames {
 const ANNOUNCED: Duration = Duration::from_millis(1500);
 
 impl RobotWatch {
-    /// Subscribes to the presence of the robots that provide the services.
-    pub(crate) fn new(bus: &dyn Bus, services: Vec<Arc<RobotService>>) -> Result<Self, BusError> {
-        let mut robots: Vec<WatchedRobot> = Vec::new();
+    /// Adds services, and subscribes to the presence of the robots that provide them.
+    pub(crate) fn add(
+        &mut self,
+        bus: &dyn Bus,
+        services: Vec<Arc<RobotService>>,
+    ) -> Result<(), BusError> {
         for service in services {
-            service.expect_announcement();
-            let is_its = |it: &&mut WatchedRobot| it.services[0].service.robot() == service.robot();
+            let mut robots = self.robots.iter_mut();
+            let known = robots.find(|it| it.services[0].service.robot() == service.robot());
             let watched = WatchedService {
                 service: Arc::clone(&service),
                 is_reported: false,
             };
-            match robots.iter_mut().find(is_its) {
-                Some(robot) => robot.services.push(watched),
-                None => {
-                    let all = presence_topic("*");
-                    let pattern = RobotAddress::new(service.robot(), &all).to_string();
-                    robots.push(WatchedRobot {
-                        presences: listen(bus, &pattern)?,
-                        services: vec![watched],
-                        processes: BTreeMap::new(),
-                        heard_at: None,
-                    });
-                }
+            if let Some(robot) = known {
+                robot.services.push(watched);
+            } else {
+                let all = presence_topic("*");
+                let pattern = RobotAddress::new(service.robot(), &all).to_string();
+                self.robots.push(WatchedRobot {
+                    presences: listen(bus, &pattern)?,
+                    services: vec![watched],
+                    processes: BTreeMap::new(),
+                    heard_at: None,
+                });
             }
+            service.expect_announcement();
         }
-        Ok(Self { robots })
+        Ok(())
+    }
+
+    /// Removes the services that nothing calls any more, and the robots that provide no other.
+    pub(crate) fn forget_uncalled(&mut self) {
+        for robot in &mut self.robots {
+            let services = &mut robot.services;
+            services.retain(|it| Arc::strong_count(&it.service) > 1);
+        }
+        self.robots.retain(|robot| !robot.services.is_empty());
     }
 
     /// Compares the services with the presences that have arrived. Calls of services whose presence is overdue no longer wait

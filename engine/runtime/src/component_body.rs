@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use asmotion_component::declaration::ReferenceDeclaration;
 use asmotion_component::{
     AnyProperty, CallId, CycleAction, CycleHost, Declaration, Fault, Interface, InterfaceParts,
     Losses, NOTICE_REPORT, OperationSlot, PeerStatus, PropertyError, PropertyHost, PropertyProblem,
@@ -11,7 +12,7 @@ use asmotion_component::{
 use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
 use asmotion_port::{AnyInput, AnyOutput, PortEffects, TooOld};
 
-use crate::added_ports::AddedPorts;
+use crate::added_ports::{AddedPorts, FormerPorts};
 use crate::cause::CycleCause;
 use crate::descriptor::ComponentStatus;
 use crate::effects::{ComponentEffects, Effects};
@@ -107,13 +108,14 @@ impl ComponentBody {
         }
     }
 
-    /// Adds ports after the present ones.
+    /// Adds ports after the present ones, and references or operations of references after theirs.
     pub(crate) fn add_ports(&mut self, added: AddedPorts) {
         let AddedPorts {
             inputs,
             outputs,
             declared_inputs,
             declared_outputs,
+            references,
         } = added;
         self.topics.extend(outputs.iter().map(|_| None));
         self.inputs.extend(inputs);
@@ -121,16 +123,36 @@ impl ComponentBody {
         let declaration = Arc::make_mut(&mut self.declaration);
         declaration.inputs.extend(declared_inputs);
         declaration.outputs.extend(declared_outputs);
+        if !references.is_empty() {
+            self.declare_references(references);
+        }
     }
 
-    /// Removes the ports after these numbers of inputs and outputs.
-    pub(crate) fn truncate_ports(&mut self, inputs: usize, outputs: usize) {
-        self.inputs.truncate(inputs);
-        self.outputs.truncate(outputs);
-        self.topics.truncate(outputs);
-        let declaration = Arc::make_mut(&mut self.declaration);
-        declaration.inputs.truncate(inputs);
-        declaration.outputs.truncate(outputs);
+    /// Removes the ports and references that have been added since.
+    pub(crate) fn restore_ports(&mut self, former: FormerPorts) {
+        self.inputs.truncate(former.inputs);
+        self.outputs.truncate(former.outputs);
+        self.topics.truncate(former.outputs);
+        former.restore(Arc::make_mut(&mut self.declaration));
+        self.declare_references(former.references);
+    }
+
+    /// Replaces the declarations of the references. Those in the same position keep their wires.
+    fn declare_references(&mut self, declared: Vec<ReferenceDeclaration>) {
+        if self.references.is_empty() && !declared.is_empty() {
+            self.caller.allocate();
+        }
+        let wired = std::mem::take(&mut self.references).into_iter();
+        let wired = wired.map(|reference| reference.wirings);
+        let wired = wired.chain(std::iter::repeat_with(Vec::new));
+        let references = declared.iter().cloned().zip(wired);
+        self.references = references
+            .map(|(declaration, wirings)| RequiredReference {
+                declaration,
+                wirings,
+            })
+            .collect();
+        Arc::make_mut(&mut self.declaration).references = declared;
     }
 
     /// Freezes the inputs, replies and requests that have arrived since the last cycle, for the next one to read. Returns the

@@ -318,6 +318,11 @@ impl InjectionPort {
         Some((port, reading_end))
     }
 
+    /// Full name of the input, `component.port`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Returns the connection into the input port.
     pub fn connection(&self) -> ConnectionId {
         self.connection

@@ -44,7 +44,8 @@ pub struct OuterService<'a> {
 type OpenOutput = dyn Fn(OuterOutput<'_>) -> Result<Box<dyn AnySender>, String> + Send + Sync;
 type OpenInput = dyn Fn(OuterInput<'_>) -> Result<Box<dyn OpenedEnd>, String> + Send + Sync;
 type OpenService = dyn Fn(OuterService<'_>) -> Result<Box<dyn OpenedEnd>, String> + Send + Sync;
-type OpenReference = dyn Fn(&ReferenceDeclaration) -> Arc<RequestQueue> + Send + Sync;
+type OpenReference =
+    dyn Fn(&ReferenceDeclaration) -> Result<Arc<RequestQueue>, String> + Send + Sync;
 
 /// An end outside, the end of a component that is joined to it, and how an adapter opens it. The adapter is called by the thread
 /// that owns the run, and may wait for the transport.
@@ -113,7 +114,10 @@ impl OuterEnd {
         reference: &str,
         service: String,
         wire: Wire,
-        open: impl Fn(&ReferenceDeclaration) -> Arc<RequestQueue> + Send + Sync + 'static,
+        open: impl Fn(&ReferenceDeclaration) -> Result<Arc<RequestQueue>, String>
+        + Send
+        + Sync
+        + 'static,
     ) -> Self {
         let open = Arc::new(open);
         Self::new(reference, service, OuterOpener::Reference { wire, open })

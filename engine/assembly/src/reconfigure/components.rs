@@ -136,14 +136,17 @@ impl Difference<'_> {
     }
 }
 
-/// Returns whether two versions of a component have the same ports, whatever their topics.
+/// Returns whether two versions of a component have the same ports, whatever their topics, and the same references.
 fn has_same_ports(before: &Component, after: &Component) -> bool {
     let names =
         |ports: &[Port]| -> Vec<String> { ports.iter().map(|it| it.name.clone()).collect() };
-    names(&before.inputs) == names(&after.inputs) && names(&before.outputs) == names(&after.outputs)
+    names(&before.inputs) == names(&after.inputs)
+        && names(&before.outputs) == names(&after.outputs)
+        && before.references == after.references
 }
 
-/// Returns a component without what can be changed at run time. A specification can have other ports in the other version.
+/// Returns a component without what can be changed at run time. A specification can have other ports and references in the other
+/// version.
 fn steady(component: &Component, other: &Component) -> Component {
     let mut component = component.clone();
     let is_specification = specification(&component).is_some();
@@ -156,6 +159,12 @@ fn steady(component: &Component, other: &Component) -> Component {
             ports.sort_by(|one, other| one.name.cmp(&other.name));
         }
         ports.iter_mut().for_each(|port| port.topic = None);
+    }
+    if is_specification {
+        let others = &other.references;
+        let references = &mut component.references;
+        references.retain(|it| others.iter().any(|other| other.name == it.name));
+        references.sort_by(|one, other| one.name.cmp(&other.name));
     }
     if let Implementation::Asm { file, main } = &mut component.implementation {
         file.clear();

@@ -1,6 +1,6 @@
 //! Connections that differ.
 
-use asmotion_network::port_topic;
+use asmotion_network::{has_same_queue, port_topic};
 use asmotion_plan::{Connection, End, Terminal};
 use asmotion_runtime::{Change, OuterEnd};
 
@@ -18,9 +18,13 @@ impl Difference<'_> {
                     self.ends.push(Change::Disconnect { from, to });
                 }
                 Reach::FromOther(from, to) => {
-                    let has_same_ends =
-                        |other: &Connection| other.from == it.from && other.to == it.to;
-                    if after.iter().any(has_same_ends) {
+                    let has_other_queue = |other: &Connection| {
+                        let kinds = [start::policy(it).kind, start::policy(other).kind];
+                        other.from == it.from
+                            && other.to == it.to
+                            && !has_same_queue(kinds[0], kinds[1])
+                    };
+                    if after.iter().any(has_other_queue) {
                         let (from, to) = (from.to_string(), to.to_string());
                         self.fixed.push(FixedPart::Policy { from, to });
                     } else if self.is_kept(&to.component) {

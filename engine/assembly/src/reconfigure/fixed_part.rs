@@ -21,7 +21,7 @@ pub enum FixedPart {
     },
     /// A new or removed component that is connected when its process starts.
     #[error(
-        "`{component}` is {change}, and the built-in `{builtin}` is connected when its process starts"
+        "`{component}` is {change}, and the built-in `{builtin}` is connected when its process starts: start the process again"
     )]
     Builtin {
         /// Name of the component.
@@ -42,23 +42,30 @@ pub enum FixedPart {
         changeable: &'static str,
     },
     /// A connection of a message queue.
-    #[error("the connection from `{from}` to `{to}` leaves the process")]
+    #[error(
+        "the connection from `{from}` to `{to}` uses a message queue, which is opened when the process starts"
+    )]
     Connection {
         /// Writing end.
         from: String,
         /// Reading end.
         to: String,
     },
-    /// A connection over a bus, to a topic or to a port of another process, that differs.
-    #[error("the connection from `{from}` to `{to}` over a broker differs in its policy")]
+    /// A connection over a bus, to a topic or to a port of another process, that needs another queue there.
+    #[error(
+        "the connection from `{from}` to `{to}` needs another queue at the broker: remove it, and add it with its new policy in a \
+         second step"
+    )]
     Policy {
         /// Writing end.
         from: String,
         /// Reading end.
         to: String,
     },
-    /// A wire to another system or robot.
-    #[error("the wire of `{reference}` to `{service}` leaves the process")]
+    /// A wire over a broker to which the process is not connected.
+    #[error(
+        "the wire of `{reference}` to `{service}` leads over a broker to which the process was not connected when it started"
+    )]
     Wire {
         /// Reference of the wire.
         reference: String,

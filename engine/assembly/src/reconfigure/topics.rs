@@ -2,6 +2,7 @@
 
 use asmotion_bus::PublishOptions;
 use asmotion_component::{Declaration, Policy};
+use asmotion_network::has_same_queue;
 use asmotion_plan::{Component, Plan, Terminal};
 use asmotion_runtime::{Change, OuterEnd};
 
@@ -109,8 +110,11 @@ impl Difference<'_> {
         {
             let (input, topic) = (format!("{name}.{}", it.input), it.topic.clone());
             let parted = self.outer_subscription(running, name, it);
-            if parted.is_some() && has.subscription(&it.topic, &it.input).is_some() {
-                // over a bus, the queue has a name that the new one would have, too
+            let next = has.subscription(&it.topic, &it.input);
+            let has_other_queue =
+                next.is_some_and(|next| !has_same_queue(it.policy.kind, next.policy.kind));
+            if parted.is_some() && has_other_queue {
+                // the queue on the bus has a name that the new one would have, too
                 let (from, to) = (Terminal::Topic(topic).to_string(), input);
                 self.fixed.push(FixedPart::Policy { from, to });
                 continue;

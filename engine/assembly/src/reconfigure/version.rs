@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use asmotion_bus::ServiceClient;
 use asmotion_component::Interface;
 use asmotion_composite::Catalogue;
 use asmotion_diagnostics::Loader;
-use asmotion_network::RunningNetwork;
-use asmotion_plan::{Component, Implementation, Part, Plan};
+use asmotion_network::{KnownOperations, RunningNetwork};
+use asmotion_plan::{Component, Endpoint, Implementation, Part, Plan};
 
 use crate::start::{self, CoordinatorOptions, Standard, Workshop};
 
@@ -25,7 +26,13 @@ pub struct Version {
     pub(super) texts: BTreeMap<String, Vec<Arc<str>>>,
     /// The buses of the running system.
     pub(super) network: RunningNetwork,
+    clients: Option<Clients>,
 }
+
+/// Returns the client that calls a service of another system with a token, and with the certificate authorities in a file.
+pub type Clients = Arc<
+    dyn Fn(Option<&Endpoint>, Option<&str>) -> Result<Arc<dyn ServiceClient>, String> + Send + Sync,
+>;
 
 impl Version {
     /// Reads the specifications of a part of a plan. Catalogue, loader and options are those of [`Standard`].
@@ -45,6 +52,7 @@ impl Version {
         Self {
             texts: texts.collect(),
             network: RunningNetwork::default(),
+            clients: None,
             plan,
             part,
             catalogue,
@@ -63,6 +71,37 @@ impl Version {
     pub fn on_buses(mut self, network: RunningNetwork) -> Self {
         self.network = network;
         self
+    }
+
+    /// Sets the clients that call services of other systems; without them, such services cannot be wired.
+    #[must_use]
+    pub fn with_clients(mut self, clients: Clients) -> Self {
+        self.clients = Some(clients);
+        self
+    }
+
+    /// Returns how the client of a service of another system is made.
+    pub(super) fn client(
+        &self,
+        token: Option<Endpoint>,
+        authorities: Option<String>,
+    ) -> impl Fn() -> Result<Arc<dyn ServiceClient>, String> + Send + Sync + 'static {
+        let clients = self.clients.clone();
+        move || {
+            let clients = clients
+                .as_ref()
+                .ok_or("there is no client of other systems")?;
+            clients(token.as_ref(), authorities.as_deref())
+        }
+    }
+
+    /// Returns the operations of service interfaces: those of the catalogue, and those that only the plan has.
+    pub(super) fn operations(&self) -> KnownOperations {
+        let (catalogue, interfaces) = (Arc::clone(&self.catalogue), self.plan.interfaces.clone());
+        Arc::new(move |interface| {
+            let of_plan = || interfaces.get(interface).cloned();
+            catalogue.operations(interface).or_else(of_plan)
+        })
     }
 
     /// Returns the constructor of a component. It loads its specification at each call.

@@ -1,124 +1,188 @@
 //! Wires that differ.
 
-use asmotion_plan::{End, Endpoint, Part, Plan, Wire};
+use std::collections::BTreeSet;
+
+use asmotion_bus::RobotAddress;
+use asmotion_network::OuterCaller;
+use asmotion_plan::{End, Endpoint, Part, Plan, robot_address};
 use asmotion_runtime::{Change, OuterEnd};
 
 use super::difference::Difference;
 use super::fixed_part::FixedPart;
+use super::version::Version;
 use crate::start;
 
 impl Difference<'_> {
+    /// Compares the services of references. Where a specification calls further operations through a reference, the reference is
+    /// wired again.
     pub(super) fn wires(&mut self, before: &Plan, after: &Plan) {
         let (running, wanted) = self.versions;
+        let extended = self.extended_references();
         let (before, after) = (joints(before, &running.part), joints(after, &wanted.part));
-        for it in before.iter().filter(|it| !after.contains(it)) {
-            match self.wire(it) {
-                WireReach::Here(reference, service) => {
-                    self.ends.push(Change::Unwire { reference, service });
-                }
-                WireReach::Outside(end) => self.ends.push(Change::Part(end)),
-                WireReach::Elsewhere => {}
-            }
+        let (had, has) = (self.declared_running(before), self.declared_wanted(after));
+        let is_same = |it: &WiredService<'_>, others: &[WiredService<'_>]| {
+            others.contains(it) && !extended.contains(&it.reference.to_string())
+        };
+        for it in had.iter().filter(|it| !is_same(it, &has)) {
+            self.ends.push(Change::Unwire {
+                reference: it.reference.to_string(),
+                service: it.service.clone(),
+            });
         }
-        for it in after.iter().filter(|it| !before.contains(it)) {
-            match self.wire(it) {
-                WireReach::Here(reference, service) => self.begins.push(Change::Wire {
+        for it in has.iter().filter(|it| !is_same(it, &had)) {
+            let reference = it.reference.to_string();
+            let change = match self.outside(wanted, it) {
+                None => Change::Wire {
                     reference,
-                    service,
+                    service: it.service.clone(),
                     wire: it.how,
-                }),
-                WireReach::Outside(end) => self.begins.push(Change::Join(end)),
-                WireReach::Elsewhere => {}
-            }
-        }
-    }
-
-    /// Returns where a wire leads if it begins in this part and the component declares the reference.
-    fn wire(&mut self, joint: &WiredService<'_>) -> WireReach {
-        let reference = joint.reference;
-        if !self.is_here(&reference.component) {
-            return WireReach::Elsewhere;
-        }
-        let (from, to) = (reference.to_string(), joint.service.clone());
-        let declared = self.declaration(&reference.component);
-        let is_declared = declared.reference(&reference.name).is_some();
-        if joint.stays_here {
-            return if is_declared {
-                WireReach::Here(from, to)
-            } else {
-                WireReach::Elsewhere
+                },
+                Some(Some(end)) => Change::Join(end),
+                Some(None) => {
+                    let service = it.service.clone();
+                    self.fixed.push(FixedPart::Wire { reference, service });
+                    continue;
+                }
             };
-        }
-        let network = &self.versions.1.network;
-        let outside = joint
-            .is_of_plan
-            .then(|| network.call(&from, &to, joint.how, joint.broker));
-        match outside.flatten() {
-            Some(end) if is_declared => WireReach::Outside(end),
-            Some(_) => WireReach::Elsewhere,
-            None => {
-                let (reference, service) = (from, to);
-                self.fixed.push(FixedPart::Wire { reference, service });
-                WireReach::Elsewhere
-            }
+            self.begins.push(change);
         }
     }
-}
 
-/// Location of the service at the end of a wire.
-enum WireReach {
-    /// To a service of this part: reference and service.
-    Here(String, String),
-    /// To a service of another process.
-    Outside(OuterEnd),
-    /// The wire begins in another part, or cannot be changed.
-    Elsewhere,
+    /// The wires whose references the running components declare.
+    fn declared_running<'p>(&self, mut joints: Vec<WiredService<'p>>) -> Vec<WiredService<'p>> {
+        joints.retain(|it| self.runs_with(it.reference));
+        joints
+    }
+
+    /// The wires whose references the components of the wanted version have. A reference that a specification does not use any more
+    /// stays, and keeps the wires that the composite has.
+    fn declared_wanted<'p>(&self, mut joints: Vec<WiredService<'p>>) -> Vec<WiredService<'p>> {
+        joints.retain(|it| {
+            let End { component, name } = it.reference;
+            let declared = self.declaration(component);
+            self.is_here(component)
+                && (declared.reference(name).is_some() || self.runs_with(it.reference))
+        });
+        joints
+    }
+
+    /// Returns whether a running component of this part declares the reference.
+    fn runs_with(&self, reference: &End) -> bool {
+        let declared = self.run.declaration(&reference.component);
+        self.is_here(&reference.component)
+            && declared.is_some_and(|it| it.reference(&reference.name).is_some())
+    }
+
+    /// The references through which components call operations that they did not declare before.
+    fn extended_references(&self) -> BTreeSet<String> {
+        let mut extended = BTreeSet::new();
+        for (component, declared) in &self.declared {
+            let Some(running) = self.run.declaration(component) else {
+                continue;
+            };
+            for reference in &declared.references {
+                let known = running.reference(&reference.name);
+                let known = known.map_or(&[][..], |it| &it.operations);
+                let mut operations = reference.operations.iter();
+                if operations.any(|it| known.iter().all(|known| known.name != it.name)) {
+                    extended.insert(format!("{component}.{}", reference.name));
+                }
+            }
+        }
+        extended
+    }
+
+    /// Returns how a wire leads to a service outside; `None` if it stays in this part, `Some(None)` if the process is not connected
+    /// to its broker.
+    fn outside(&self, wanted: &Version, joint: &WiredService<'_>) -> Option<Option<OuterEnd>> {
+        let reference = joint.reference.to_string();
+        let caller = OuterCaller {
+            reference: &reference,
+            wire: joint.how,
+            bus: joint.broker,
+            known: wanted.operations(),
+        };
+        let network = &wanted.network;
+        Some(match joint.target {
+            Target::Here => return None,
+            Target::OtherProcess => network.call(caller, &joint.service),
+            Target::Robot(robot, name) => {
+                network.call_robot(caller, RobotAddress::new(robot, name))
+            }
+            Target::System {
+                url,
+                token,
+                authorities,
+            } => {
+                let client = wanted.client(token.cloned(), authorities.map(str::to_owned));
+                network.call_external(caller, (url.reveal(), url.shown()), client)
+            }
+        })
+    }
 }
 
 /// One service of a wire.
 #[derive(PartialEq)]
 struct WiredService<'p> {
     reference: &'p End,
-    /// A service of the plan, or a URL.
+    /// A service of the plan, or a URL without secrets.
     service: String,
-    is_of_plan: bool,
-    token: Option<&'p Endpoint>,
-    /// File with the certificate authorities.
-    authorities: Option<&'p str>,
+    target: Target<'p>,
     /// Broker of a call that leaves the part.
     broker: Option<&'p str>,
     how: asmotion_component::Wire,
-    /// `true` if both ends run in this part and the call does not go over a bus.
-    stays_here: bool,
+}
+
+/// The system that provides the service of a wire.
+#[derive(Clone, Copy, PartialEq)]
+enum Target<'p> {
+    /// This part, without a bus.
+    Here,
+    /// Another process, or this one over a bus.
+    OtherProcess,
+    /// Another robot: its name, and the name of the service.
+    Robot(&'p str, &'p str),
+    /// Another system over HTTP.
+    System {
+        url: &'p Endpoint,
+        token: Option<&'p Endpoint>,
+        /// File with the certificate authorities.
+        authorities: Option<&'p str>,
+    },
 }
 
 fn joints<'p>(plan: &'p Plan, part: &Part) -> Vec<WiredService<'p>> {
-    let wires: &'p [Wire] = &plan.wires;
     let mut joints = Vec::new();
-    for wire in wires {
+    for wire in &plan.wires {
         let broker = plan.broker_of_wire(wire);
+        let how = start::how(&plan.wires, wire);
         joints.extend(wire.services.iter().map(|service| {
             let stays_here = start::stays_here(wire, service, part);
             WiredService {
                 reference: &wire.reference,
                 service: service.to_string(),
-                is_of_plan: true,
-                token: None,
-                authorities: None,
+                target: if stays_here {
+                    Target::Here
+                } else {
+                    Target::OtherProcess
+                },
                 broker: broker.filter(|_| !stays_here),
-                how: start::how(wires, wire),
-                stays_here,
+                how,
             }
         }));
         joints.extend(wire.url.iter().map(|url| WiredService {
             reference: &wire.reference,
             service: url.shown().to_owned(),
-            is_of_plan: false,
-            token: wire.token.as_ref(),
-            authorities: wire.ca.as_deref(),
+            target: match robot_address(wire) {
+                Some(robot) => Target::Robot(robot.robot(), robot.name()),
+                None => Target::System {
+                    url,
+                    token: wire.token.as_ref(),
+                    authorities: wire.ca.as_deref(),
+                },
+            },
             broker,
-            how: start::how(wires, wire),
-            stays_here: false,
+            how,
         }));
     }
     joints

@@ -7,14 +7,15 @@ use asmotion_datum::Datum;
 use asmotion_port::Time;
 
 use super::ComponentUnit;
-use crate::added_ports::AddedPorts;
+use crate::added_ports::{AddedPorts, FormerPorts};
 use crate::effects::Effects;
 use crate::event::Event;
 
 /// Kind of the report that a component was replaced; its content is the description of the new one.
 pub const REPLACEMENT_REPORT: &str = "replaced";
 
-/// A component that is to replace another one with the same declaration, except for additional ports.
+/// A component that is to replace another one with the same declaration, except for additional ports, references and operations of
+/// references.
 pub(crate) struct NewComponent {
     pub component: Box<dyn Component>,
     /// Name of the implementation, for the report.
@@ -23,10 +24,10 @@ pub(crate) struct NewComponent {
     pub owner: u32,
     pub provided: Vec<OperationSlot>,
     pub required: Vec<OperationSlot>,
-    /// Ports that it has in addition to those of the other one.
+    /// What it has in addition to the other one.
     pub added: AddedPorts,
-    /// Numbers of inputs and outputs of a component that was replaced.
-    pub ports: Option<(usize, usize)>,
+    /// The ports and references of a component that was replaced.
+    pub former: Option<FormerPorts>,
 }
 
 impl ComponentUnit {
@@ -86,9 +87,9 @@ impl ComponentUnit {
 
     fn exchange(&mut self, new: NewComponent) -> NewComponent {
         let body = &mut self.body;
-        let ports = (body.inputs.len(), body.outputs.len());
-        if let Some((inputs, outputs)) = new.ports {
-            body.truncate_ports(inputs, outputs);
+        let former = FormerPorts::of(&body.declaration);
+        if let Some(former) = new.former {
+            body.restore_ports(former);
         }
         body.add_ports(new.added);
         NewComponent {
@@ -98,7 +99,7 @@ impl ComponentUnit {
             provided: std::mem::replace(&mut body.provided, new.provided),
             required: std::mem::replace(&mut body.required, new.required),
             added: AddedPorts::default(),
-            ports: Some(ports),
+            former: Some(former),
         }
     }
 }

@@ -14,7 +14,7 @@ use super::addition::{ComponentAddition, StagedComponent};
 use super::executor::{Act, Executor, busy, connect_output};
 use super::removal::RemovedComponent;
 use super::replacement::Replacement;
-use crate::added_ports::AddedPorts;
+use crate::added_ports::{AddedPorts, FormerPorts};
 use crate::build_error::BuildError;
 use crate::component_end::{ComponentEnd, inputs, outputs, references, services};
 use crate::connections::{HeldEnd, RemovedConnection};
@@ -106,8 +106,9 @@ pub enum Change {
     },
     /// Replaces a component by another one, which continues in its state
     /// ([`take_over`](asmotion_component::Component::take_over)); one that is not configured begins anew. Their declarations are the
-    /// same, except that the new one can have more ports, which later changes of the list connect. Ports that it does not
-    /// have stay, without a use.
+    /// same, except that the new one can have more ports and references, and call more operations; later changes of the list
+    /// connect and wire them. What it does not have stays, without a use. An operation that it calls in addition through a
+    /// reference with a service reaches the service once later changes of the list have wired the reference again.
     Replace {
         /// Name of the component.
         component: String,
@@ -275,8 +276,8 @@ pub(super) enum UndoStep {
     /// The services of a reference: component, reference, and what they were.
     Rewire(usize, usize, Vec<(String, Wire)>),
     Topics(Vec<SystemTopic>),
-    /// Removes the ports of a component that follow these numbers of inputs and outputs.
-    Unextend(usize, (usize, usize)),
+    /// Removes the ports and references that a component was to get.
+    Unextend(usize, FormerPorts),
     /// Removes the last addition.
     Unadd,
     /// Puts the last removed component back.
@@ -602,12 +603,11 @@ impl<'r, E: Executor> ChangePlan<'r, E> {
                 }
                 UndoStep::Restore(removed) => connections.reinsert(removed),
                 UndoStep::Topics(before) => connections.topics = before,
-                UndoStep::Unextend(component, (inputs, outputs)) => {
+                UndoStep::Unextend(component, former) => {
                     let descriptor = &mut self.run.descriptors_mut()[component];
-                    let declaration = Arc::make_mut(&mut descriptor.declaration);
-                    declaration.inputs.truncate(inputs);
-                    declaration.outputs.truncate(outputs);
-                    descriptor.openers.truncate(inputs);
+                    former.restore(Arc::make_mut(&mut descriptor.declaration));
+                    descriptor.openers.truncate(former.inputs);
+                    descriptor.wired.truncate(former.references.len());
                 }
                 UndoStep::Rewire(unit, reference, before) => {
                     self.run.descriptors_mut()[unit].wired[reference] = before;

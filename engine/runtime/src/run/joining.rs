@@ -127,7 +127,7 @@ impl<E: Executor> ChangePlan<'_, E> {
                 let descriptor = &self.run.descriptors()[end.unit];
                 let declaration = &descriptor.declaration.references[end.index];
                 let wiring = Wiring {
-                    queue: open(declaration),
+                    queue: open(declaration)?,
                     to: outer.outside.clone(),
                     provider: None,
                     operations: (0..declaration.operations.len()).collect(),

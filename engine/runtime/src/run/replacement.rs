@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
+use asmotion_component::declaration::{PortDeclaration, ReferenceDeclaration};
 use asmotion_component::{Component, Declaration, Fault, Interface, InterfaceParts};
 use asmotion_port::{Policy, Time};
 
 use super::change::{ChangeError, ChangePlan, UndoStep};
 use super::executor::{Act, Executor, busy};
-use crate::added_ports::AddedPorts;
+use crate::added_ports::{AddedPorts, FormerPorts};
 use crate::component_end::ComponentEnd;
 use crate::component_unit::{ComponentUnit, NewComponent};
 use crate::effects::Effects;
@@ -39,7 +40,8 @@ impl Replacement {
         }
     }
 
-    /// Constructs the component and compares its declaration with that of the running one, to which it can add ports.
+    /// Constructs the component and compares its declaration with that of the running one, to which it can add ports, references
+    /// and operations of references.
     fn make(&self, running: &Declaration) -> Result<NewComponent, String> {
         let mut interface = Interface::following(running);
         let component = (self.construct)(&mut interface)?;
@@ -57,18 +59,16 @@ impl Replacement {
             ..
         } = interface.into_parts();
         let (known_inputs, known_outputs) = (running.inputs.len(), running.outputs.len());
+        let references = std::mem::take(&mut declaration.references);
+        check_references(&references, &running.references)?;
         let added = AddedPorts {
             inputs: inputs.split_off(known_inputs),
             outputs: outputs.split_off(known_outputs),
             declared_inputs: declaration.inputs.split_off(known_inputs),
             declared_outputs: declaration.outputs.split_off(known_outputs),
+            references: further(references, &running.references),
         };
-        if without_safe_samples(&declaration) != without_safe_samples(running) {
-            return Err(
-                "it uses other services, operations or message types, which needs a new start"
-                    .to_owned(),
-            );
-        }
+        check_same(&declaration, running)?;
         if handlers.iter().flatten().any(Option::is_some) {
             return Err("it has operations that run in the threads of their callers".to_owned());
         }
@@ -79,18 +79,70 @@ impl Replacement {
             provided,
             required,
             added,
-            ports: None,
+            former: None,
         })
     }
 }
 
-/// The declaration without the safe samples, which a composite can override.
-fn without_safe_samples(declaration: &Declaration) -> Declaration {
-    let mut declaration = declaration.clone();
-    for output in &mut declaration.outputs {
-        output.safe = None;
+/// Returns the references of a successor if it calls more than the running component, and nothing otherwise.
+fn further(
+    references: Vec<ReferenceDeclaration>,
+    running: &[ReferenceDeclaration],
+) -> Vec<ReferenceDeclaration> {
+    let count = |references: &[ReferenceDeclaration]| -> usize {
+        references.iter().map(|it| it.operations.len()).sum()
+    };
+    let calls_more = references.len() > running.len() || count(&references) > count(running);
+    if calls_more { references } else { Vec::new() }
+}
+
+/// Refuses operations that the running component calls with other types.
+fn check_references(
+    references: &[ReferenceDeclaration],
+    running: &[ReferenceDeclaration],
+) -> Result<(), String> {
+    for (reference, before) in references.iter().zip(running) {
+        let mut operations = reference.operations.iter().zip(&before.operations);
+        if let Some((operation, _)) = operations.find(|(one, other)| one != other) {
+            return Err(format!(
+                "it calls `{}.{}` with other types, which {NEW_START}, or another name of the reference",
+                reference.name, operation.name
+            ));
+        }
     }
-    declaration
+    Ok(())
+}
+
+const NEW_START: &str = "needs a new start of the process";
+
+/// Compares the declaration of a successor, without what it adds and without references, with that of the running component.
+fn check_same(declaration: &Declaration, running: &Declaration) -> Result<(), String> {
+    let ports = |ports: &[PortDeclaration]| -> Vec<PortDeclaration> {
+        // a composite can override a safe sample
+        let ports = ports.iter().cloned();
+        ports
+            .map(|it| PortDeclaration { safe: None, ..it })
+            .collect()
+    };
+    for (before, after) in [
+        (&running.inputs, &declaration.inputs),
+        (&running.outputs, &declaration.outputs),
+    ] {
+        let (before, after) = (ports(before), ports(after));
+        if let Some((port, _)) = before.iter().zip(&after).find(|(one, other)| one != other) {
+            return Err(format!(
+                "its port `{}` has another type, which {NEW_START}, or another name of the port",
+                port.name
+            ));
+        }
+    }
+    if declaration.services != running.services {
+        return Err(format!("it provides other operations, which {NEW_START}"));
+    }
+    if declaration.properties != running.properties {
+        return Err(format!("it has other properties, which {NEW_START}"));
+    }
+    Ok(())
 }
 
 impl fmt::Display for Replacement {
@@ -115,8 +167,8 @@ impl PartialEq for Replacement {
 }
 
 impl<E: Executor> ChangePlan<'_, E> {
-    /// Plans a replacement. The ports that the new component has in addition are in the tables from now on, so that later changes
-    /// can connect them.
+    /// Plans a replacement. The ports and references that the new component has in addition are in the tables from now on, so that
+    /// later changes can connect them.
     pub(super) fn replacement(
         &mut self,
         component: &str,
@@ -140,18 +192,24 @@ impl<E: Executor> ChangePlan<'_, E> {
     fn extend(&mut self, component: usize, added: AddedPorts) {
         let descriptor = &mut self.run.descriptors_mut()[component];
         let declared = Arc::make_mut(&mut descriptor.declaration);
-        let ports = (declared.inputs.len(), declared.outputs.len());
+        let former = FormerPorts::of(declared);
+        let known_inputs = former.inputs;
+        if !added.references.is_empty() {
+            declared.references.clone_from(&added.references);
+            let wired = declared.references.len();
+            descriptor.wired.resize_with(wired, Vec::new);
+        }
         declared.inputs.extend_from_slice(&added.declared_inputs);
         declared.outputs.extend_from_slice(&added.declared_outputs);
         let openers = added.inputs.iter().map(|input| input.opener());
         descriptor.openers.extend(openers);
         let name = Arc::clone(&descriptor.name);
-        self.undo_steps.push(UndoStep::Unextend(component, ports));
+        self.undo_steps.push(UndoStep::Unextend(component, former));
         let inputs = added.declared_inputs.iter().enumerate();
         let ends = inputs.map(|(index, input)| ComponentEnd {
             name: format!("{name}.{}", input.name),
             unit: component,
-            index: ports.0 + index,
+            index: known_inputs + index,
         });
         for end in ends.collect::<Vec<_>>() {
             self.inject_into(&end);
