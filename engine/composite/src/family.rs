@@ -46,8 +46,6 @@ pub struct Family {
     specifications: BTreeMap<String, Box<dyn Signature>>,
     /// Places of the elements that stand for several instances.
     repeated: Vec<Span>,
-    /// Properties of each composite on which numbers of instances depend.
-    counting: BTreeMap<String, BTreeSet<String>>,
 }
 
 /// A composite file and the resolved paths of the files it names.
@@ -333,6 +331,8 @@ struct Visit<'v, 'c> {
     is_elsewhere: bool,
     /// Places of the elements that stand for several instances.
     repeated: Vec<Span>,
+    /// Properties of each composite on which numbers of instances depend.
+    counting: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Visit<'_, '_> {
