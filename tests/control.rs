@@ -71,7 +71,7 @@ fn commands_of_two_tabs_are_in_the_recording_with_their_origins() {
     assert_eq!(two.ask(&max_speed(1, 0.3))["type"], "problem");
     assert_eq!(one.ask(&json!({ "type": "arm", "token": token }))["type"], "armed");
     assert_eq!(one.ask(&max_speed(2, 0.45))["type"], "done");
-    assert_eq!(one.ask(&max_speed(3, -1.0))["type"], "problem");
+    assert_eq!(one.ask(&max_speed(3, -1.5))["type"], "problem");
     assert_eq!(two.ask(&max_speed(4, 0.2))["type"], "problem");
     run.interrupt();
 
@@ -88,8 +88,8 @@ fn commands_of_two_tabs_are_in_the_recording_with_their_origins() {
             "2 tab 1 token done: arm",
             "3 tab 1 token asked: set TrajectoryFollower.max_speed = 0.45",
             "3 tab 1 token done: set TrajectoryFollower.max_speed = 0.45",
-            "4 tab 1 token asked: set TrajectoryFollower.max_speed = -1",
-            "4 tab 1 token refused: set TrajectoryFollower.max_speed = -1",
+            "4 tab 1 token asked: set TrajectoryFollower.max_speed = -1.5",
+            "4 tab 1 token refused: set TrajectoryFollower.max_speed = -1.5",
             "5 tab 2 no refused: set TrajectoryFollower.max_speed = 0.2",
         ]
     );
@@ -108,7 +108,7 @@ fn commands_of_two_tabs_are_in_the_recording_with_their_origins() {
     assert_eq!(lines.len(), 5, "{out}");
     assert!(lines[0].contains(" tab 2: refused: set TrajectoryFollower.max_speed = 0.3: this tab is not armed"), "{out}");
     assert!(lines[2].contains(" tab 1 (token): done: set TrajectoryFollower.max_speed = 0.45"), "{out}");
-    assert!(lines[3].contains("refused: set TrajectoryFollower.max_speed = -1: "), "{out}");
+    assert!(lines[3].contains("refused: set TrajectoryFollower.max_speed = -1.5: "), "{out}");
     let (_, json) = replay(&file, &["--json"]);
     let lines = json.lines().map(|it| serde_json::from_str::<Value>(it).unwrap());
     let refused = lines.filter(|it| it["type"] == "command" && it["outcome"] == "refused");
@@ -138,13 +138,13 @@ fn a_refused_command_changes_no_hash_of_a_step() {
             .arg(navigation().join("navigation.composite.toml"))
             .args(["--goal", "3.4,4.7", "--for", "60", "--speed", "4", "--record"])
             .arg(&file);
-        let run = Watched::start(with_dashboard(&mut command));
+        let mut run = Watched::start(with_dashboard(&mut command));
         let mut tab = run.tab();
         if asks {
             assert_eq!(tab.ask(&max_speed(1, 0.3))["type"], "problem");
         }
         tab.until("the end", |it| it["end"].is_string());
-        while tab.next().is_some() {}
+        run.wait();
         let ends = RunReader::open(&file).unwrap().filter_map(|item| match item {
             RecordingItem::End(end) => Some(end.coordinators["ASMCoordinator"].last_hash.clone()),
             _ => None,
@@ -166,13 +166,13 @@ fn commands_of_tools_are_in_the_recording_and_in_the_dashboard() {
     let file = folder.path().join("run.mcap");
     let composite = navigation().join("navigation.composite.toml");
     let mut command = over(&composite, &broker, &vhost, None);
-    command.args(["--clock", "wall", "--record"]).arg(&file);
+    command.arg("--record").arg(&file);
     let mut run = Watched::start(with_dashboard(&mut command));
     wait_until_present(&vhost, "navigation");
     let mut tab = run.tab();
     tab.subscribe(&["log"]);
     let url = format!("amqp://{}@{}/{}", broker.user(), broker.address(), vhost.name());
-    for (speed, code) in [("0.4", 0), ("-1", 1)] {
+    for (speed, code) in [("0.4", 0), ("-1.5", 1)] {
         let set = ["component", "set", "TrajectoryFollower", &format!("max_speed={speed}")];
         let (found, out, err) = tool(&broker, &url, &set);
         assert_eq!(found.map(i32::signum), Some(code), "{out}{err}");
@@ -193,7 +193,7 @@ fn commands_of_tools_are_in_the_recording_and_in_the_dashboard() {
     });
     let told: Vec<_> = told.collect();
     assert!(told.contains(&"asmotion-tool done: set TrajectoryFollower.max_speed = 0.4".to_owned()), "{told:?}");
-    assert!(told.contains(&"asmotion-tool refused: set TrajectoryFollower.max_speed = -1".to_owned()), "{told:?}");
+    assert!(told.contains(&"asmotion-tool refused: set TrajectoryFollower.max_speed = -1.5".to_owned()), "{told:?}");
     // questions are no commands
     assert!(told.iter().all(|it| !it.contains("ask")), "{told:?}");
     let (is_equal, out) = replay(&file, &[]);
@@ -222,7 +222,8 @@ fn messages_that_wait_are_in_the_recording_and_in_its_dashboard() {
     assert!((100..200).contains(&early), "{queues:?}");
     assert!((700..800).contains(&full), "{queues:?}");
     assert!((200..300).contains(&late), "{queues:?}");
-    assert_eq!(end, 0, "{queues:?}");
+    // the last second was not counted
+    assert!(end <= 50, "{queues:?}");
     // equal runs have equal records of it
     assert_eq!(messages(&record("again.mcap"), "queues"), queues);
     let (_shown, mut tab, last) = end_of(&file);
@@ -231,7 +232,7 @@ fn messages_that_wait_are_in_the_recording_and_in_its_dashboard() {
         let sink = components.iter().find(|it| it["name"] == "Sink").unwrap();
         sink["waiting"].as_u64().unwrap_or(0)
     };
-    assert_eq!(waiting(&last), 0);
+    assert_eq!(waiting(&last), end);
     assert_eq!(waiting(&moment(&mut tab, 5.05)), full);
     assert_eq!(waiting(&moment(&mut tab, 0.0)), 0);
 }

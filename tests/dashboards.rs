@@ -47,6 +47,11 @@ impl Watched {
         let pid = self.process.id().to_string();
         let sent = Command::new("kill").args(["-INT", &pid]).status().unwrap();
         assert!(sent.success());
+        self.wait();
+    }
+
+    /// Waits for the end of the run.
+    pub(super) fn wait(&mut self) {
         self.process.wait().unwrap();
     }
 
