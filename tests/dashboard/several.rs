@@ -53,7 +53,12 @@ fn each_of_two_arms_has_its_joints_and_each_of_two_rovers_its_way() {
     let mut tab = browser.open(&mission.url, WIDE, "light");
     tab.wait("asmotion.store.components.length > 20");
     show(&mut tab, "components");
-    for name in ["Arm1/Locomotor", "Arm2/Locomotor", "Rover1/RoverDriver", "Rover2/RoverDriver"] {
+    for name in [
+        "Arm1/Locomotor",
+        "Arm2/Locomotor",
+        "Rover1/RoverDriver",
+        "Rover2/RoverDriver",
+    ] {
         tab.wait(&with_text("#components tbody tr", name));
     }
     tab.screenshot("several_components");
@@ -75,7 +80,11 @@ fn joints(tab: &mut Tab) {
     set_period(tab, 250);
     // the period of this arm, and not that of the other one
     tab.wait("Math.abs(parseFloat(document.querySelector('#measured').textContent) - 250) < 40");
-    tab.wait(&format!("Math.abs({} - 250) < 40 && Math.abs({} - 100) < 30", interval(2), interval(1)));
+    tab.wait(&format!(
+        "Math.abs({} - 250) < 40 && Math.abs({} - 100) < 30",
+        interval(2),
+        interval(1)
+    ));
     tab.screenshot("several_joints");
     tab.eval("(() => { const it = document.querySelector('#arm'); it.value = 'Arm1/Driver/youBotDriver.jointStatus'; it.dispatchEvent(new Event('change')); })()");
     tab.wait("Math.abs(parseFloat(document.querySelector('#measured').textContent) - 100) < 30");
