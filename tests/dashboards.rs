@@ -47,6 +47,11 @@ impl Watched {
         let pid = self.process.id().to_string();
         let sent = Command::new("kill").args(["-INT", &pid]).status().unwrap();
         assert!(sent.success());
+        self.wait();
+    }
+
+    /// Waits for the end of the run.
+    pub(super) fn wait(&mut self) {
         self.process.wait().unwrap();
     }
 
@@ -124,13 +129,19 @@ impl LiveTab {
 
     /// Sends a message.
     pub(super) fn send(&mut self, message: &Value) {
-        self.socket.send(Message::text(message.to_string())).unwrap();
+        self.socket
+            .send(Message::text(message.to_string()))
+            .unwrap();
     }
 
     /// Sends a message, and returns the reply to it.
     pub(super) fn ask(&mut self, message: &Value) -> Value {
         self.send(message);
-        let is_reply = |it: &Value| ["armed", "done", "problem"].iter().any(|kind| it["type"] == *kind);
+        let is_reply = |it: &Value| {
+            ["armed", "done", "problem"]
+                .iter()
+                .any(|kind| it["type"] == *kind)
+        };
         self.until("the reply", is_reply)
     }
 

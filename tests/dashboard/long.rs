@@ -65,7 +65,14 @@ policy = { type = "buffer", size = 100000 }
 fn run(composite: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.arg("run").arg(composite);
-    command.args(["--clock", "wall", "--for", "600", "--dashboard", "127.0.0.1:0"]);
+    command.args([
+        "--clock",
+        "wall",
+        "--for",
+        "600",
+        "--dashboard",
+        "127.0.0.1:0",
+    ]);
     command
 }
 
@@ -108,13 +115,18 @@ fn a_log_of_a_hundred_thousand_entries_has_the_rows_that_can_be_seen() {
     tab.eval("document.activeElement.blur()");
     tab.key("/");
     tab.call("Input.insertText", json!({ "text": "needle" }));
-    tab.wait(&format!("{rows} === 1 && document.querySelector('.log .row').textContent.includes('entry 5 needle')"));
+    tab.wait(&format!(
+        "{rows} === 1 && document.querySelector('.log .row').textContent.includes('entry 5 needle')"
+    ));
     tab.screenshot("log_filtered");
     tab.eval("(() => { const it = document.querySelector('.log-panel input[type=search]'); it.value = ''; it.dispatchEvent(new Event('input')); it.blur(); })()");
     tab.wait("document.querySelector('.log').scrollHeight > 1.8e6");
     // new entries do not make it slow
     let share = tab.main_thread_share(Duration::from_secs(3));
-    println!("log of 100,000 entries: {:.1} % of the main thread", share * 100.0);
+    println!(
+        "log of 100,000 entries: {:.1} % of the main thread",
+        share * 100.0
+    );
     assert!(share < 0.5, "{share}");
     // in a narrow window, each entry has two lines
     let mut narrow = browser.open(&mission.url, (480, 900), "dark");
@@ -123,7 +135,13 @@ fn a_log_of_a_hundred_thousand_entries_has_the_rows_that_can_be_seen() {
     add(&mut narrow, 0, 1000);
     narrow.wait("document.querySelector('.log').scrollHeight > 38000");
     narrow.screenshot("log_narrow");
-    assert!(narrow.eval("document.documentElement.scrollWidth").as_u64().unwrap() <= 480);
+    assert!(
+        narrow
+            .eval("document.documentElement.scrollWidth")
+            .as_u64()
+            .unwrap()
+            <= 480
+    );
     for tab in [&tab, &narrow] {
         assert_eq!(tab.errors, Vec::<String>::new());
     }
@@ -138,7 +156,14 @@ fn scrolls(tab: &mut Tab) {
     );
     tab.wait("document.querySelector('.log').scrollTop > 200000");
     let top = tab.wait(TOP);
-    let number: u64 = top.as_str().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
+    let number: u64 = top
+        .as_str()
+        .unwrap()
+        .split(' ')
+        .nth(1)
+        .unwrap()
+        .parse()
+        .unwrap();
     assert!((70_000..95_000).contains(&number), "{top}");
     add(tab, 100_000, 500);
     std::thread::sleep(Duration::from_millis(600));
@@ -186,7 +211,10 @@ fn what_waits_is_on_the_connections_of_the_graph_live_and_in_a_recording() {
     // the coordinator takes one message in each step, and keeps the others
     let inside = "/▤ [0-9]+ for later steps/.test(document.querySelector('.graph').textContent)";
     tab.wait(inside);
-    tab.wait(&with_text("#findings p.note", "events wait in Sink for a later step"));
+    tab.wait(&with_text(
+        "#findings p.note",
+        "events wait in Sink for a later step",
+    ));
     tab.click(&with_text("#control button", "Arm control"));
     tab.wait("asmotion.control.armed");
     tab.eval("asmotion.control.wish('Sink', 'stop', 'stop Sink')");

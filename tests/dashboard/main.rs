@@ -99,7 +99,12 @@ fn y9_each_view_shows_and_controls_a_running_mission() {
         // a process that has ended refuses the tabs that come back
         crossings::is_clean(&tab);
         let port = mission.address().rsplit_once(':').unwrap().1;
-        let own = ["http://127.0.0.1", "ws://127.0.0.1", "http://localhost", "ws://localhost"];
+        let own = [
+            "http://127.0.0.1",
+            "ws://127.0.0.1",
+            "http://localhost",
+            "ws://localhost",
+        ];
         let own = own.map(|name| format!("{name}:{port}/"));
         let foreign =
             |it: &&String| !own.iter().any(|own| it.starts_with(own)) && *it != "about:blank";
@@ -199,17 +204,28 @@ fn second_tab(browser: &Browser, mission: &RunningMission) {
     let mut tab = browser.open(&format!("http://{}/", mission.address()), WIDE, "light");
     tab.wait("asmotion.store.known && asmotion.store.permission === 'held'");
     tab.wait(&with_text("#control button", "Take over"));
-    let found = tab.eval("document.cookie + JSON.stringify({ ...sessionStorage, ...localStorage }) + location.href");
+    let found = tab.eval(
+        "document.cookie + JSON.stringify({ ...sessionStorage, ...localStorage }) + location.href",
+    );
     let token = mission.url.split_once("#token=").unwrap().1;
     assert!(!found.as_str().unwrap().contains(token), "{found}");
     assert_eq!(tab.eval("asmotion.control.token"), Value::Null);
     assert_eq!(tab.eval("document.cookie"), "");
-    let cookies = tab.call("Network.getCookies", json!({ "urls": [format!("http://{}/live", mission.address())] }));
+    let cookies = tab.call(
+        "Network.getCookies",
+        json!({ "urls": [format!("http://{}/live", mission.address())] }),
+    );
     let cookies = cookies["cookies"].as_array().unwrap();
     assert_eq!(cookies.len(), 1, "{cookies:?}");
     let cookie = &cookies[0];
-    assert_eq!((&cookie["httpOnly"], &cookie["sameSite"]), (&json!(true), &json!("Strict")));
-    assert_eq!((&cookie["session"], &cookie["path"]), (&json!(true), &json!("/live")));
+    assert_eq!(
+        (&cookie["httpOnly"], &cookie["sameSite"]),
+        (&json!(true), &json!("Strict"))
+    );
+    assert_eq!(
+        (&cookie["session"], &cookie["path"]),
+        (&json!(true), &json!("/live"))
+    );
     assert_eq!(tab.errors, Vec::<String>::new());
 }
 

@@ -521,11 +521,21 @@ pub fn shows_each_version(browser: &Browser, file: &Path) {
     tab.wait(&format!("{title}.includes('version 1 of 2, from 0.00 s')"));
     tab.wait("document.querySelector('.source').textContent.includes('said :=')");
     tab.wait("Object.keys(asmotion.store.locationsAt('One')).join() === 'n,said'");
+    // its rules have no conditions
+    let guards = "[...document.querySelectorAll('#guards tbody tr')].map((it) => it.textContent)";
+    assert_eq!(
+        tab.eval(&format!("{guards}.some((it) => it.includes('phase'))")),
+        false
+    );
     let end = tab.eval("asmotion.store.recording.end").as_f64().unwrap();
     seek(&mut tab, end);
     tab.wait(&format!("{title}.includes('version 2 of 2')"));
     tab.wait("document.querySelector('.source').textContent.includes('twice := 2 * n')");
     tab.wait("Object.keys(asmotion.store.locationsAt('One')).sort().join() === 'n,phase,twice'");
+    // the guards of a step are those of the version that made it
+    tab.wait(&format!(
+        "{guards}.some((it) => it.includes('phase = ODD'))"
+    ));
     // and the values before the replacement follow from the state in which it took place
     let from =
         "asmotion.store.system.specifications.filter((it) => it.component === 'One')[1].from";

@@ -178,7 +178,9 @@ impl MessageInputs {
     /// Returns the number of events that wait for a following step.
     pub fn waiting_events(&self) -> u64 {
         let locations = self.inputs.iter().flat_map(|input| &input.locations);
-        locations.map(|location| location.waiting.len() as u64).sum()
+        locations
+            .map(|location| location.waiting.len() as u64)
+            .sum()
     }
 
     /// Returns the number of outcomes of calls that wait for a following step.

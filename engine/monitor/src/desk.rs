@@ -81,12 +81,7 @@ impl Desk {
     }
 
     /// Gives the permission to a tab that has logged in in some way, or has not. `take` takes it from another one.
-    pub(crate) fn arm(
-        &self,
-        client: u64,
-        login: TabLogin,
-        take: bool,
-    ) -> Result<(), ControlError> {
+    pub(crate) fn arm(&self, client: u64, login: TabLogin, take: bool) -> Result<(), ControlError> {
         if !self.is_open() {
             return Err(ControlError::ViewOnly);
         }
@@ -180,10 +175,7 @@ mod tests {
         let desk = desk(Duration::from_secs(60));
         assert_eq!(desk.order_bus(1).err(), Some(ControlError::NotArmed));
         assert!(desk.knows("secret") && !desk.knows("secre") && !desk.knows(""));
-        assert_eq!(
-            desk.arm(1, TabLogin::None, false),
-            Err(ControlError::Token)
-        );
+        assert_eq!(desk.arm(1, TabLogin::None, false), Err(ControlError::Token));
         assert_eq!(desk.arm(1, TabLogin::Token, false), Ok(()));
         assert_eq!(
             desk.arm(2, TabLogin::Cookie, false),

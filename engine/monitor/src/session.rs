@@ -137,7 +137,11 @@ impl Session {
 
     /// The first message, with everything that changes only with the system.
     fn greeting(&self) -> String {
-        let warnings = self.feed.links().iter().filter_map(|it| it.warning.as_ref());
+        let warnings = self
+            .feed
+            .links()
+            .iter()
+            .filter_map(|it| it.warning.as_ref());
         let warnings: Vec<_> = warnings.collect();
         let greeting = json!({
             "type": "hello", "v": VERSION, "client": self.client, "control": self.desk.is_open(),

@@ -7,10 +7,10 @@ use asmotion_bus::{
     Bus, BusError, IncomingCall, Notifier, Overflow, Pattern, Payload, PublishOptions, QueuePolicy,
     Refusal, SenderId, ServedAddress, Subscription,
 };
+use asmotion_component::Time;
 use asmotion_datum::{Datum, Schema};
 use asmotion_network::RobotService;
 use asmotion_plan::{Part, Plan};
-use asmotion_component::Time;
 use asmotion_runtime::{Asked, Run};
 
 use crate::clock::{ClockOffset, ClockWatch};
@@ -197,7 +197,11 @@ impl<'p> ProcessContact<'p> {
     /// Replies to the orders that have been carried out, and drops those whose callers no longer wait.
     fn reply_to_orders(&mut self, now: Time) {
         for pending in std::mem::take(&mut self.pending_orders) {
-            let PendingOrder { call, asked, command } = pending;
+            let PendingOrder {
+                call,
+                asked,
+                command,
+            } = pending;
             match asked.try_take() {
                 Some(result) => {
                     let (outcome, reason) = match &result {

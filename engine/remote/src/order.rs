@@ -105,10 +105,9 @@ impl fmt::Display for Order {
                 Ok(())
             }
             OrderKind::Write(port, value) => write!(f, "write {component}.{port} {value}"),
-            OrderKind::State
-            | OrderKind::Describe
-            | OrderKind::Read(_)
-            | OrderKind::Watch(_) => write!(f, "ask {component}"),
+            OrderKind::State | OrderKind::Describe | OrderKind::Read(_) | OrderKind::Watch(_) => {
+                write!(f, "ask {component}")
+            }
         }
     }
 }

@@ -97,7 +97,9 @@ fn print_commands(outcome: &RecordingOutcome, terminal: &mut TerminalOutput) {
     }
     if let Some(more) = shown.len().checked_sub(MOST_COMMANDS).filter(|it| *it > 0) {
         let more = counted(more as u64, "more command");
-        terminal.result(format_args!("  {FAINT}and {more}: `--json` has all{FAINT:#}"));
+        terminal.result(format_args!(
+            "  {FAINT}and {more}: `--json` has all{FAINT:#}"
+        ));
     }
 }
 

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 
-use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_component::Time;
+use asmotion_diagnostics::{or_did_you_mean, similar};
 use asmotion_lang::simulate;
 use asmotion_recording::{
     ChainedCycle, CoordinatorReplay, EditedSpecification, FileEnd, RecordingItem, ReplayOptions,

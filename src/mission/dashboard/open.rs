@@ -4,8 +4,8 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 
 use asmotion_assembly::reconfigure::Version;
-use asmotion_component::Time;
 use asmotion_bus::{Bus, BusError, LocalBus, Notifier, Pattern, QueuePolicy, Subscription};
+use asmotion_component::Time;
 use asmotion_monitor::{
     BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
 };

@@ -35,7 +35,7 @@ function components(store) {
     if (it.late) add("note", `${it.name}: ${counted(it.late, "cycle")} exceeded the deadline`);
     if (it.overruns) add("note", `${it.name} has missed ${counted(it.overruns, "period")}`);
     for (const input of it.inputs) {
-      if (input.waiting >= MANY) add("note", `${counted(input.waiting, "message")} wait at ${it.name}.${input.name}: it reads them more slowly than they are written`);
+      if (input.waiting >= MANY) add("note", `${counted(input.waiting, "message")} wait at ${it.name}.${input.name}: it reads them too slowly, or not at all`);
       if (input.lost) add("note", `${it.name}.${input.name} has lost ${counted(input.lost, "message")}`);
     }
     if (it.waiting >= MANY) add("note", `${counted(it.waiting, "event")} wait in ${it.name} for a later step`);

@@ -151,7 +151,8 @@ export class Graph {
     label.setAttribute("y", String(row));
     size.setAttribute("x", String(column));
     size.setAttribute("y", String(row + 11));
-    text(size, [bytes, queue].filter(Boolean).join("  "));
+    // there is no room for both; the bytes are in the title
+    text(size, queue || bytes);
     className(size, `bytes ${queue ? "queue" : ""}`);
     text(label, all.length > LABEL ? `${all.slice(0, LABEL - 1)}…` : all);
     className(edge, `edge ${broken ? "broken" : ""} ${queue ? "waits" : ""} ${onPath ? "chosen" : ""}`);

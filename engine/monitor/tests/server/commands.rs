@@ -25,7 +25,10 @@ fn told(commands: &[(Time, CommandRecord)]) -> Vec<String> {
             CommandOutcome::Refused => "refused",
             CommandOutcome::Unknown => "unknown",
         };
-        format!("{} tab {} {} {outcome}: {}", it.number, it.tab, it.login, it.text)
+        format!(
+            "{} tab {} {} {outcome}: {}",
+            it.number, it.tab, it.login, it.text
+        )
     });
     told.collect()
 }

@@ -90,7 +90,8 @@ fn a_cookie_does_not_help_pages_of_other_servers_and_programs() {
             }
         }
     }
-    let rebound = format!("Host: evil.example\r\nOrigin: http://evil.example\r\nCookie: {cookie}\r\n");
+    let rebound =
+        format!("Host: evil.example\r\nOrigin: http://evil.example\r\nCookie: {cookie}\r\n");
     assert_eq!(fixture.status("/live", &rebound), "421");
     // without an origin it is no page, and has to present the token itself
     let mut program = fixture.connect_with(None, Some(cookie)).unwrap();
@@ -106,7 +107,11 @@ fn a_cookie_of_an_earlier_run_at_the_same_port_does_not_help() {
     let fixture = controlled();
     let own = own(&fixture);
     let name = format!("asmotion-control-{}", fixture.address().port());
-    for stale in [format!("{name}=0123abcd"), format!("{name}="), "other=1".to_owned()] {
+    for stale in [
+        format!("{name}=0123abcd"),
+        format!("{name}="),
+        "other=1".to_owned(),
+    ] {
         let mut client = fixture.connect_with(Some(&own), Some(&stale)).unwrap();
         assert_eq!(client.next()["known"], false, "{stale}");
         client.send(&json!({ "type": "arm" }));
@@ -140,7 +145,11 @@ fn nobody_logs_in_without_the_token_or_from_elsewhere() {
     assert_eq!(status("POST", &foreign), "403");
     // without `--control`, there is nothing to log in for
     let view_only = Fixture::open(|_| {});
-    let headers = format!("{}Origin: http://{}\r\n{right}", view_only.host(), view_only.address());
+    let headers = format!(
+        "{}Origin: http://{}\r\n{right}",
+        view_only.host(),
+        view_only.address()
+    );
     let (head, _) = view_only.send("POST", "/login", &headers);
     assert!(head.starts_with("HTTP/1.1 401"), "{head}");
 }
