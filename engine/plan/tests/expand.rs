@@ -63,7 +63,7 @@ fn components(settings: &[(&str, &str)]) -> Vec<String> {
 
 #[test]
 fn properties_determine_the_number_of_instances() {
-    let nested = ["Motor1", "Motor2", "Motor3", "Motor4"].map(|it| format!("Nested.{it}"));
+    let nested = ["Motor1", "Motor2", "Motor3", "Motor4"].map(|it| format!("Nested/{it}"));
     let with_nested = |own: &[&str]| -> Vec<String> {
         let own = own.iter().map(|it| (*it).to_owned());
         own.chain(nested.clone()).collect()
