@@ -11,14 +11,14 @@ pub enum Exit {
     /// Success.
     #[default]
     Ok,
+    /// A property is not known to hold, because not all states were explored. Less than a violation of another one.
+    Undecided,
     /// An error in a file, a failed scenario, a goal not reached, a collision in the simulated world.
     Findings,
     /// Usage error, including an argument that names something unknown.
     Usage,
     /// A step failed at run time.
     Fault,
-    /// A property is not known to hold, because not all states were explored.
-    Undecided,
 }
 
 impl Exit {
@@ -37,10 +37,10 @@ impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
         Self::from(match exit {
             Exit::Ok => 0,
+            Exit::Undecided => 4,
             Exit::Findings => 1,
             Exit::Usage => 2,
             Exit::Fault => 3,
-            Exit::Undecided => 4,
         })
     }
 }

@@ -116,6 +116,15 @@ fn exit_codes_tell_a_violation_from_what_is_not_known() {
     ]);
     assert_eq!(exit, 1, "{err}");
     assert!(err.contains("A005") && err.contains("EATING"), "{err}");
+    // of several specifications, a violation of one counts more than what is not known of another
+    let undecided = "specs/allocation/allocation.asm";
+    let (exit, _, _) = run(&["verify", undecided, "--bound", "4"]);
+    assert_eq!(exit, 4);
+    for files in [[PHILOSOPHERS, undecided], [undecided, PHILOSOPHERS]] {
+        let [first, second] = files;
+        let (exit, out, _) = run(&["verify", first, second, "--bound", "4"]);
+        assert_eq!(exit, 1, "{out}");
+    }
 }
 
 #[test]

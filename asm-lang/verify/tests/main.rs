@@ -24,6 +24,7 @@ mod monitors;
 mod naive;
 mod naive_fairness;
 mod naive_inputs;
+mod naive_linear;
 mod naive_logic;
 mod naive_systems;
 mod nusmv;

@@ -11,7 +11,7 @@ use asmotion_verify::{FairName, Options, Storage};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-const ATOMS: &[&str] = &[
+pub const ATOMS: &[&str] = &[
     "common = 0",
     "common < 2",
     "place(ONE) = 2",
@@ -22,6 +22,17 @@ const ATOMS: &[&str] = &[
 
 /// Largest number of states that is compared.
 const MAX_STATES: usize = 160;
+
+/// The locations of a state, in order.
+pub const LOCATIONS: [&str; 7] = [
+    "place(ONE)",
+    "place(TWO)",
+    "place(THREE)",
+    "x(ONE)",
+    "x(TWO)",
+    "x(THREE)",
+    "common",
+];
 
 struct Choices<'a>(&'a RefCell<Digits>);
 
@@ -43,19 +54,10 @@ fn locations(machine: &Machine) -> Vec<i64> {
             Some((location(machine, slot), *number))
         })
         .collect();
-    let names = [
-        "place(ONE)",
-        "place(TWO)",
-        "place(THREE)",
-        "x(ONE)",
-        "x(TWO)",
-        "x(THREE)",
-        "common",
-    ];
-    names.iter().map(|name| named[*name]).collect()
+    LOCATIONS.iter().map(|name| named[*name]).collect()
 }
 
-fn is_true(state: &[i64], atom: &str) -> bool {
+pub fn is_true(state: &[i64], atom: &str) -> bool {
     match atom {
         "common = 0" => state[6] == 0,
         "common < 2" => state[6] < 2,
@@ -67,7 +69,7 @@ fn is_true(state: &[i64], atom: &str) -> bool {
 }
 
 /// The states, with edges that are labelled with the agent that they move. `None` if there are too many.
-fn explored(text: &str) -> Option<(Vec<Vec<i64>>, Graph)> {
+pub fn explored(text: &str, max_states: usize) -> Option<(Vec<Vec<i64>>, Graph)> {
     // a machine takes a violated invariant for a fault
     let lines = text.lines().filter(|line| !line.contains("invariant"));
     let text = lines.collect::<Vec<_>>().join("\n");
@@ -98,7 +100,7 @@ fn explored(text: &str) -> Option<(Vec<Vec<i64>>, Graph)> {
             assert_eq!(digits.borrow_mut().increment(), agent < 2, "{text}");
         }
         graph.edges.push(edges);
-        if machines.len() > MAX_STATES {
+        if machines.len() > max_states {
             return None;
         }
     }
@@ -106,23 +108,107 @@ fn explored(text: &str) -> Option<(Vec<Vec<i64>>, Graph)> {
     Some((states, graph))
 }
 
-/// Fairness that is due to the agents.
-fn of_agents(graph: &Graph, is_strong: bool) -> Vec<Fair> {
-    let agents = (0..3).map(|agent| {
-        let is_enabled = |edges: &Vec<(usize, u32)>| edges.iter().any(|it| it.1 >> agent & 1 == 1);
-        let enabled = graph.edges.iter().map(is_enabled);
-        let moves = |label: u32, mask: u32| label & mask != 0;
-        if is_strong {
-            Fair::IfOften(enabled.collect(), moves, 1 << agent)
-        } else {
-            Fair::Often(enabled.map(|it| !it).collect(), moves, 1 << agent)
+/// The fairness of a specification.
+pub enum Due {
+    Nothing,
+    Justice(Condition),
+    Compassion(Condition, Condition),
+    /// Weak or strong, of each agent.
+    Agents {
+        is_strong: bool,
+    },
+}
+
+/// Label of the edges that leave a state in which the effect of compassion is true.
+const EFFECT: u32 = 1 << 5;
+
+impl Due {
+    pub fn random(random: &mut Random, kind: usize) -> Self {
+        let mut condition = || Condition::random(random, ATOMS, 1);
+        let (often, cause, effect) = (condition(), condition(), condition());
+        match kind {
+            0 => Self::Justice(often),
+            1 => Self::Compassion(cause, effect),
+            2 | 3 => Self::Agents {
+                is_strong: kind == 3,
+            },
+            _ => Self::Nothing,
         }
-    });
-    agents.collect()
+    }
+
+    /// The lines of a specification.
+    pub fn lines(&self) -> String {
+        match self {
+            Self::Justice(often) => format!("  JUSTICE {often}\n"),
+            Self::Compassion(cause, effect) => format!("  COMPASSION({cause}, {effect})\n"),
+            Self::Nothing | Self::Agents { .. } => String::new(),
+        }
+    }
+
+    pub fn names(&self) -> Vec<FairName> {
+        match self {
+            Self::Agents { is_strong } => vec![FairName {
+                name: "Agents".to_owned(),
+                is_strong: *is_strong,
+            }],
+            Self::Nothing | Self::Justice(_) | Self::Compassion(..) => Vec::new(),
+        }
+    }
+
+    /// The fairness of a part of a graph, whose edges it labels. Agents are enabled as in the whole graph.
+    pub fn apply(
+        &self,
+        (states, graph): (&[Vec<i64>], &mut Graph),
+        (all, whole): (&[Vec<i64>], &[u32]),
+    ) {
+        let of = |condition: &Condition| {
+            let truths = states.iter();
+            let truths = truths.map(|state| condition.is_true(&|atom| is_true(state, atom)));
+            truths.collect::<Vec<bool>>()
+        };
+        let is_labelled = |label: u32, mask: u32| label & mask != 0;
+        match self {
+            Self::Nothing => {}
+            Self::Justice(often) => {
+                graph.fairness = vec![Fair::Often(of(often), |_, _| false, 0)];
+            }
+            Self::Compassion(cause, effect) => {
+                for (edges, is_it) in graph.edges.iter_mut().zip(of(effect)) {
+                    edges
+                        .iter_mut()
+                        .for_each(|it| it.1 |= if is_it { EFFECT } else { 0 });
+                }
+                graph.fairness = vec![Fair::IfOften(of(cause), is_labelled, EFFECT)];
+            }
+            Self::Agents { is_strong } => {
+                let agents = (0..3).map(|agent| {
+                    let is_enabled = |state: &Vec<i64>| {
+                        let at = all.iter().position(|it| it == state).unwrap();
+                        whole[at] >> agent & 1 == 1
+                    };
+                    let enabled = states.iter().map(is_enabled);
+                    if *is_strong {
+                        Fair::IfOften(enabled.collect(), is_labelled, 1 << agent)
+                    } else {
+                        Fair::Often(enabled.map(|it| !it).collect(), is_labelled, 1 << agent)
+                    }
+                });
+                graph.fairness = agents.collect();
+            }
+        }
+    }
+}
+
+/// The agents that the edges of each node move.
+pub fn enabled(graph: &Graph) -> Vec<u32> {
+    let nodes = graph.edges.iter();
+    nodes
+        .map(|edges| edges.iter().fold(0, |all, it| all | it.1))
+        .collect()
 }
 
 /// Ways to explore, which make no difference.
-fn ways(random: &mut Random, plain: &Options) -> [Options; 3] {
+pub fn ways(random: &mut Random, plain: &Options) -> [Options; 3] {
     [0, 1, 2].map(|way| {
         let mut flag = || random.below(2) == 0;
         let (symmetry, cone, independent) = (flag(), flag(), flag());
@@ -148,47 +234,16 @@ fn formulas_under_fairness_have_the_values_of_a_naive_exploration() {
     let seed = seed.and_then(|it| it.parse().ok());
     let mut random = Random(seed.unwrap_or(0xfa1e_0a5e_55ed_0003));
     let (mut held, mut violated, mut compared) = (0, 0, 0);
-    for round in 0..200 {
+    for round in 0..200_usize {
         let text = independent::specification(&mut random);
-        let Some((states, mut graph)) = explored(&text) else {
+        let Some((states, mut graph)) = explored(&text, MAX_STATES) else {
             continue;
         };
         compared += 1;
-        let mut condition = || Condition::random(&mut random, ATOMS, 1);
-        let (often, cause, effect) = (condition(), condition(), condition());
-        let of = |condition: &Condition| {
-            let truths = states.iter();
-            let truths = truths.map(|state| condition.is_true(&|atom| is_true(state, atom)));
-            truths.collect::<Vec<bool>>()
-        };
-        let (mut lines, mut fairness) = (String::new(), Vec::new());
-        match round % 5 {
-            0 => {
-                lines = format!("  JUSTICE {often}\n");
-                graph.fairness = vec![Fair::Often(of(&often), |_, _| false, 0)];
-            }
-            1 => {
-                // a state in which the effect is true makes the edges that leave it true
-                lines = format!("  COMPASSION({cause}, {effect})\n");
-                let effects = of(&effect);
-                for (edges, is_it) in graph.edges.iter_mut().zip(effects) {
-                    edges
-                        .iter_mut()
-                        .for_each(|it| it.1 |= u32::from(is_it) << 5);
-                }
-                let is_effect = |label: u32, mask: u32| label & mask != 0;
-                graph.fairness = vec![Fair::IfOften(of(&cause), is_effect, 1 << 5)];
-            }
-            2 | 3 => {
-                let is_strong = round % 5 == 3;
-                fairness = vec![FairName {
-                    name: "Agents".to_owned(),
-                    is_strong,
-                }];
-                graph.fairness = of_agents(&graph, is_strong);
-            }
-            _ => {}
-        }
+        let due = Due::random(&mut random, round % 5);
+        let moved = enabled(&graph);
+        due.apply((&states, &mut graph), (&states, &moved));
+        let (lines, fairness) = (due.lines(), due.names());
         let text = text
             .replace(
                 "import StandardLibrary\n",

@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-const ATOMS: &[&str] = &["left", "right", "p", "q", "n = 1", "n < 3", EITHER];
+pub const ATOMS: &[&str] = &["left", "right", "p", "q", "n = 1", "n < 3", EITHER];
 
 /// Reads one of two inputs only.
 const EITHER: &str = "(if p then left else right endif)";
@@ -91,16 +91,16 @@ fn is_true(machine: &Machine, inputs: &Inputs, atom: &str) -> bool {
 }
 
 /// A node, with its machine.
-struct Node {
+pub struct Node {
     machine: Machine,
     held: Inputs,
     mentioned: Inputs,
 }
 
 /// The graph of a specification for properties that mention some inputs, of which so many change in a step.
-struct Explored {
-    graph: Graph,
-    nodes: Vec<Node>,
+pub struct Explored {
+    pub graph: Graph,
+    pub nodes: Vec<Node>,
     known: BTreeMap<(Vec<Value>, Inputs, Inputs), usize>,
     fails: bool,
 }
@@ -115,7 +115,7 @@ fn locations(machine: &Machine) -> Vec<Value> {
 }
 
 impl Explored {
-    fn of(text: &str, mentioned: &[String], limit: usize) -> Self {
+    pub fn of(text: &str, mentioned: &[String], limit: usize) -> Self {
         let machine = open(text).machine().unwrap();
         let mut explored = Self {
             graph: Graph::default(),
@@ -200,14 +200,14 @@ impl Explored {
             .satisfies(formula, &|node, condition| self.is_true(node, condition))
     }
 
-    fn is_true(&self, node: usize, condition: &Condition) -> bool {
+    pub fn is_true(&self, node: usize, condition: &Condition) -> bool {
         let node = &self.nodes[node];
         condition.is_true(&|atom| is_true(&node.machine, &node.mentioned, atom))
     }
 }
 
 /// The inputs that a text mentions.
-fn mentioned(text: &str) -> Vec<String> {
+pub fn mentioned(text: &str) -> Vec<String> {
     let inputs = ["left", "right"].into_iter();
     let inputs = inputs.filter(|input| text.contains(input));
     inputs.map(ToOwned::to_owned).collect()

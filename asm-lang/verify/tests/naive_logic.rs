@@ -132,7 +132,7 @@ impl Graph {
     }
 
     /// The nodes from which a fair path stays within `within`.
-    fn fair_within(&self, within: &Nodes) -> Nodes {
+    pub fn fair_within(&self, within: &Nodes) -> Nodes {
         self.reaching(within, &self.fair_cores(within))
     }
 

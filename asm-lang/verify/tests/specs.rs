@@ -1,7 +1,8 @@
 //! The specifications of the repository: their properties hold, and notice changes.
 
+use crate::systems::changed;
 use asmotion_lang::{MemoryFiles, Specification};
-use asmotion_verify::{Options, Verification, mutants, verify};
+use asmotion_verify::{Options, SystemSpecification, Verification, mutants, verify};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -19,21 +20,22 @@ const VERIFIED: &[&str] = &[
 const OTHERS: &[(&str, Reason)] = &[
     ("allocation/robot.asm", Reason::WithoutProperties),
     ("allocation/robot_protocol.asm", Reason::WithoutProperties),
-    // stores the angle of the camera, a Real: verified with the protocols of its composite
+    // stores the angle of the camera, a Real: verified with the protocols of its composite, where a mutant violates a property
+    // (`composites` of asmotion-verification)
     ("ball_tracker/ball_tracker.asm", Reason::Refused("M001")),
     ("ball_tracker/camera.asm", Reason::WithoutProperties),
     (
         "ball_tracker/camera_protocol.asm",
         Reason::WithoutProperties,
     ),
-    // computes with `offset`, a Real
+    // computes with `offset`, a Real; states no properties
     ("ball_tracker/tracker.asm", Reason::Refused("M001")),
     (
         "ball_tracker/tracker_protocol.asm",
         Reason::WithoutProperties,
     ),
     ("courier/Dispatch.asm", Reason::Module),
-    // receives messages: verified together with the dispatcher
+    // receives messages: verified together with the dispatcher below
     ("courier/courier.asm", Reason::Refused("M005")),
     ("courier/dispatcher.asm", Reason::WithoutProperties),
     ("nav2/navigate_to_pose.asm", Reason::Large),
@@ -300,4 +302,30 @@ fn properties_of_case_studies_hold_and_notice_a_mutant() {
         });
         assert!(is_noticed, "{file}");
     }
+}
+
+/// The courier's property holds together with the dispatcher, as far as its counters are explored, and notices a mutant.
+#[test]
+fn the_courier_with_its_dispatcher_notices_a_mutant() {
+    let options = Options {
+        limits: asmotion_verify::Limits {
+            states: Some(3000),
+            ..Default::default()
+        },
+        ..Options::default()
+    };
+    let verdict = |change| {
+        let system = SystemSpecification {
+            machines: vec![
+                changed("courier", "courier", "courier", change),
+                changed("courier", "dispatcher", "dispatcher", ("", "")),
+            ],
+            ..SystemSpecification::default()
+        };
+        let found = crate::verified_system(system, &options);
+        crate::verdict_of(&found, "jobs >= 0")
+    };
+    assert_eq!(verdict(("", "")), "unknown");
+    let mutant = ("jobs := jobs + 1", "jobs := jobs - 1");
+    assert_eq!(verdict(mutant), "violated");
 }

@@ -251,13 +251,28 @@ fn partners_outside_the_system_reply_fail_or_let_the_call_time_out() {
 
 /// Opens a specification of the repository.
 fn file(folder: &str, name: &str, as_name: &str) -> asmotion_verify::VerifiedMachine {
+    changed(folder, name, as_name, ("", ""))
+}
+
+/// A specification of the repository in which all occurrences of a text are replaced.
+pub fn changed(
+    folder: &str,
+    name: &str,
+    as_name: &str,
+    (from, to): (&str, &str),
+) -> asmotion_verify::VerifiedMachine {
     let root = format!("{}/../../specs/{folder}", env!("CARGO_MANIFEST_DIR"));
     let mut files = asmotion_lang::MemoryFiles::new();
     for entry in std::fs::read_dir(&root).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|it| it == "asm") {
-            let text = std::fs::read_to_string(&path).unwrap();
-            files.add(path.file_name().unwrap().to_str().unwrap(), text.as_str());
+            let mut text = std::fs::read_to_string(&path).unwrap();
+            let file = path.file_name().unwrap().to_str().unwrap();
+            if file == format!("{name}.asm") && !from.is_empty() {
+                assert!(text.contains(from), "`{from}` in {file}");
+                text = text.replace(from, to);
+            }
+            files.add(file, text);
         }
     }
     let opened = asmotion_lang::open(&format!("{name}.asm"), &files);
