@@ -24,8 +24,17 @@ pub enum WorkPlace {
     /// The component's own thread, within the cycle.
     #[default]
     InCycle,
-    /// A new thread, which calls this function at its end to trigger the component.
-    Thread(Arc<dyn Fn() + Send + Sync>),
+    /// A new thread, which requests a cycle of the component at its end.
+    Thread(CycleRequests),
+}
+
+/// Functions that request a cycle of a component, whatever drives it, from any thread and at any time.
+#[derive(Clone)]
+pub struct CycleRequests {
+    /// Wakes the component's thread.
+    pub wake: Arc<dyn Fn() + Send + Sync>,
+    /// Lends the calling thread to the cycle ([`Setup::thread_lender`](crate::Setup::thread_lender)).
+    pub lend_thread: Arc<dyn Fn() + Send + Sync>,
 }
 
 /// Work under way beside the cycles. Dropping it discards the result; the work itself runs to its end.
@@ -44,8 +53,8 @@ impl<T: Send + 'static> BackgroundWork<T> {
         };
         match place {
             WorkPlace::InCycle => work(),
-            WorkPlace::Thread(finished) => {
-                let finished = Arc::clone(finished);
+            WorkPlace::Thread(requests) => {
+                let finished = Arc::clone(&requests.wake);
                 let builder = std::thread::Builder::new().name("background".to_owned());
                 let spawned = builder.spawn(move || {
                     work();

@@ -39,7 +39,7 @@ pub use activity::{
 pub use asmotion_datum::Word;
 pub use asmotion_derive::{Freeze, Ports, Properties, Word};
 pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, Time};
-pub use background::{BackgroundWork, WorkPlace};
+pub use background::{BackgroundWork, CycleRequests, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::{AwaitedWriters, Component};
 pub use conversion::PropertyConversion;

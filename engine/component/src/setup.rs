@@ -41,7 +41,20 @@ impl<'a> Setup<'a> {
     pub fn waker(&self) -> Option<Arc<dyn Fn() + Send + Sync>> {
         match &self.work_place {
             WorkPlace::InCycle => None,
-            WorkPlace::Thread(waker) => Some(Arc::clone(waker)),
+            WorkPlace::Thread(requests) => Some(Arc::clone(&requests.wake)),
+        }
+    }
+
+    /// As [`waker`](Self::waker), for a thread that has brought data and has nothing else to do until more arrive: it is lent to the
+    /// cycle and to those that this one triggers, so that none waits for another thread to wake. Cycles that usually take longer
+    /// than half a millisecond run elsewhere, as do those of components with a thread of their own.
+    ///
+    /// The function may call hooks of the component in the current thread, so this one must hold no lock, must not be waited for
+    /// by a cycle, and must be able to drop the component.
+    pub fn thread_lender(&self) -> Option<Arc<dyn Fn() + Send + Sync>> {
+        match &self.work_place {
+            WorkPlace::InCycle => None,
+            WorkPlace::Thread(requests) => Some(Arc::clone(&requests.lend_thread)),
         }
     }
 

@@ -10,9 +10,9 @@ use std::time::Instant;
 
 use asmotion_port::Time;
 
-pub(crate) use self::bell::ExecutorBell;
+pub(crate) use self::bell::{ExecutorBell, ring_for_noted};
 pub(crate) use self::events::EventQueue;
-pub(crate) use self::waker::{ThreadWaker, WakeTarget};
+pub(crate) use self::waker::{LentTurns, ThreadWaker, WakeTarget};
 use crate::effects::Effects;
 use crate::event::Event;
 use crate::growing_table::GrowingTable;

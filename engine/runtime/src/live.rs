@@ -19,7 +19,7 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use asmotion_component::{ThreadUse, WorkPlace};
+use asmotion_component::{CycleRequests, ThreadUse, WorkPlace};
 use asmotion_datum::Sample;
 use asmotion_port::Time;
 
@@ -201,7 +201,11 @@ impl Live {
 fn work_place(context: &LiveContext, component: usize) -> WorkPlace {
     let waker = context.waker(component);
     // request a cycle whatever drives the component: a periodic one would otherwise pass the result on a period late
-    WorkPlace::Thread(Arc::new(move || waker.request_cycle()))
+    let lender = Arc::clone(&waker);
+    WorkPlace::Thread(CycleRequests {
+        wake: Arc::new(move || waker.request_cycle()),
+        lend_thread: Arc::new(move || lender.lend_thread()),
+    })
 }
 
 /// Starts the group of each component that is not a slave; its slaves follow in order of addition.

@@ -12,6 +12,7 @@ mod cycle;
 mod derived;
 mod executor;
 mod freeze;
+mod lent;
 mod live;
 mod orocos;
 mod safe;

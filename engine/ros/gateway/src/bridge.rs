@@ -22,7 +22,7 @@ use crate::operation::MappedOperation;
 use crate::outbound::Outbound;
 use crate::shown::{ComponentDisplay, ShownComponent};
 use crate::transport::{RosConnection, RosTransport};
-use crate::wake::Wake;
+use crate::wake::{CycleWakes, Wake};
 
 /// Joins topics and operations of a composite with topics, services and actions of ROS.
 ///
@@ -38,8 +38,8 @@ pub struct RosBridge {
     desk: ComponentDesk,
     /// `None` before the component is configured.
     open: Option<OpenConnection>,
-    /// Requests a cycle; `None` before the component is configured.
-    wake: Option<Wake>,
+    /// Request a cycle; `None` before the component is configured.
+    wakes: Option<CycleWakes>,
     /// Messages that the bridge itself wrote, by pairs of topics that it maps in both directions.
     echoes: BTreeMap<JoinedTopics, Echoes>,
     misfits: Misfits,
@@ -87,7 +87,7 @@ impl RosBridge {
             shown: Vec::new(),
             desk: ComponentDesk::default(),
             open: None,
-            wake: None,
+            wakes: None,
             echoes,
             misfits: Misfits::default(),
             transforms: Transforms::default(),
@@ -151,8 +151,8 @@ impl RosBridge {
     }
 
     /// Opens a connection with all topics and operations.
-    fn open_connection(&self, wake: Wake) -> Result<OpenConnection, Fault> {
-        let mut connection = self.transport.join(Arc::clone(&wake)).map_err(Fault::new)?;
+    fn open_connection(&self, wakes: &CycleWakes) -> Result<OpenConnection, Fault> {
+        let mut connection = self.transport.join(wakes.clone()).map_err(Fault::new)?;
         let (mut senders, mut receivers) = (Vec::new(), Vec::new());
         for outbound in &self.to_ros {
             senders.push(connection.publish(&outbound.mapped).map_err(Fault::new)?);
@@ -175,7 +175,7 @@ impl RosBridge {
         } else {
             Vec::new()
         };
-        let display = self.open_display(&mut *connection, wake)?;
+        let display = self.open_display(&mut *connection, Arc::clone(&wakes.wake))?;
         Ok(OpenConnection {
             senders,
             receivers,
@@ -193,7 +193,7 @@ impl RosBridge {
         mut broken: OpenConnection,
         cycle: &mut Cycle<'_>,
     ) -> Result<OpenConnection, Fault> {
-        let Some(wake) = self.wake.clone() else {
+        let Some(wakes) = self.wakes.clone() else {
             return Ok(broken);
         };
         for (outbound, sender) in self.to_ros.iter_mut().zip(&broken.senders) {
@@ -211,7 +211,7 @@ impl RosBridge {
         // nothing that it has not sent would leave any more
         broken.senders.clear();
         drop(broken);
-        let mut open = self.open_connection(wake)?;
+        let mut open = self.open_connection(&wakes)?;
         for (outbound, sender) in self.to_ros.iter().zip(&mut open.senders) {
             for message in &outbound.last {
                 // it was sent before, so it can be encoded
@@ -279,13 +279,14 @@ impl RosBridge {
 impl Component for RosBridge {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         self.open = None;
-        let Some(wake) = setup.waker() else {
+        let (Some(wake), Some(lend_thread)) = (setup.waker(), setup.thread_lender()) else {
             return Err(Fault::new(
                 "a ros-bridge needs the wall clock: run without `--speed`, or in a profile without it",
             ));
         };
-        self.open = Some(self.open_connection(Arc::clone(&wake))?);
-        self.wake = Some(wake);
+        let wakes = CycleWakes { wake, lend_thread };
+        self.open = Some(self.open_connection(&wakes)?);
+        self.wakes = Some(wakes);
         Ok(())
     }
 

@@ -57,4 +57,4 @@ pub use ros1::{Ros1Settings, Ros1Transport};
 pub use ros2::{Ros2Settings, Ros2Transport};
 pub use shown::{ComponentDisplay, ShownComponent};
 pub use transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
-pub use wake::Wake;
+pub use wake::{CycleWakes, Wake};

@@ -22,7 +22,7 @@ use crate::ros1_operations::{
 use crate::ros1_parameters::Ros1Parameters;
 use crate::shown::{ComponentDisplay, ShownComponent};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
-use crate::wake::Wake;
+use crate::wake::{ArrivalFlag, CycleWakes, Wake};
 
 /// Settings of a node of ROS 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ impl RosTransport for Ros1Transport {
             .map_err(|error| error.to_string())
     }
 
-    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
+    fn join(&self, wakes: CycleWakes) -> Result<Box<dyn RosConnection>, String> {
         let Ros1Settings {
             node,
             master,
@@ -78,6 +78,8 @@ impl RosTransport for Ros1Transport {
             relays,
         } = &self.settings;
         let master: RosUri = master.parse().map_err(|error| format!("{error}"))?;
+        let CycleWakes { wake, lend_thread } = wakes;
+        let arrivals = ArrivalFlag::default();
         let notices = Arc::new(Notices::default());
         let (kept, woken) = (Arc::clone(&notices), Arc::clone(&wake));
         let settings = RosSettings {
@@ -92,6 +94,7 @@ impl RosTransport for Ros1Transport {
                     woken();
                 }
             }),
+            after_reading: Some(arrivals.lender(lend_thread)),
             ..RosSettings::new(node.clone())
         };
         let node = asmotion_ros1::RosNode::start(settings).map_err(|error| error.to_string())?;
@@ -100,6 +103,7 @@ impl RosTransport for Ros1Transport {
             node: Arc::new(node),
             catalogue: Arc::clone(&self.catalogue),
             wake,
+            arrivals,
             notices,
         }))
     }
@@ -111,6 +115,7 @@ struct Ros1Connection {
     name: Arc<str>,
     catalogue: Arc<Catalogue>,
     wake: Wake,
+    arrivals: ArrivalFlag,
     notices: Arc<Notices>,
 }
 
@@ -130,8 +135,8 @@ impl RosConnection for Ros1Connection {
             size: topic.queue,
             overflow: Overflow::DropOldest,
         };
-        let wake = Arc::clone(&self.wake);
-        let notifier = Arc::new(Notifier::calling(move || wake()));
+        let arrivals = self.arrivals.clone();
+        let notifier = Arc::new(Notifier::calling(move || arrivals.note()));
         let subscription = self.node.subscribe(&topic.ros, Some(of), queue, notifier);
         let subscription = subscription.map_err(|it| it.to_string())?;
         let unreadable = self.node.unreadable_messages(&topic.ros);

@@ -25,7 +25,7 @@ use crate::ros2_operations::{
 use crate::ros2_relays::{AnnouncedRelays, Circles};
 use crate::shown::{ComponentDisplay, ShownComponent};
 use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
-use crate::wake::Wake;
+use crate::wake::{ArrivalFlag, CycleWakes, Wake};
 
 /// Settings of a node of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ impl RosTransport for Ros2Transport {
         schemas.map_err(|error| error.to_string())
     }
 
-    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
+    fn join(&self, wakes: CycleWakes) -> Result<Box<dyn RosConnection>, String> {
         let Ros2Settings {
             node,
             domain,
@@ -90,7 +90,10 @@ impl RosTransport for Ros2Transport {
         };
         let node = Node::start(options, Arc::clone(&self.catalogue));
         let node = node.map_err(|error| error.to_string())?;
+        let CycleWakes { wake, lend_thread } = wakes;
         node.wake_for_notices(Arc::clone(&wake));
+        let arrivals = ArrivalFlag::default();
+        node.call_after_reading(arrivals.lender(lend_thread));
         let notices = Arc::new(Notices::default());
         let name = node.full_name();
         notices.keep(format!("joined the ROS 2 domain {domain} as `{name}`"));
@@ -102,6 +105,7 @@ impl RosTransport for Ros2Transport {
             node,
             catalogue: Arc::clone(&self.catalogue),
             wake,
+            arrivals,
             notices,
             is_broken: false,
             memories: self.memories.clone(),
@@ -114,6 +118,7 @@ struct Ros2Connection {
     node: Node,
     catalogue: Arc<Catalogue>,
     wake: Wake,
+    arrivals: ArrivalFlag,
     notices: Arc<Notices>,
     /// Set when the threads of DDS have ended.
     is_broken: bool,
@@ -148,10 +153,11 @@ impl RosConnection for Ros2Connection {
 
     fn subscribe(&mut self, topic: &MappedTopic) -> Result<Box<dyn MessageReceiver>, String> {
         let of = message(&topic.kind)?;
+        let arrivals = self.arrivals.clone();
         let options = SubscriptionOptions {
             qos: qos(topic),
             ignores_own: true,
-            waker: Some(Arc::clone(&self.wake)),
+            waker: Some(Arc::new(move || arrivals.note())),
         };
         let subscription = self.node.subscription(&topic.ros, &of, options);
         let subscription = subscription.map_err(|error| error.to_string())?;

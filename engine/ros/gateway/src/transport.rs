@@ -9,7 +9,7 @@ use crate::desk::ComponentWatch;
 use crate::mapped::MappedTopic;
 use crate::operation::{MappedOperation, OperationCaller, OperationSchemas, OperationServer};
 use crate::shown::{ComponentDisplay, ShownComponent};
-use crate::wake::Wake;
+use crate::wake::CycleWakes;
 
 /// What a transport without services and actions says.
 const NO_OPERATIONS: &str = "this bridge connects topics only";
@@ -31,11 +31,11 @@ pub trait RosTransport: Send {
     }
 
     /// Starts a node. It joins when the graph can be reached, and again when it comes back; until then messages are lost, and
-    /// counted.
+    /// counted. Its threads request cycles of the bridge.
     ///
     /// # Errors
     /// The reason that no node can be started: a name is not one, or the operating system refuses sockets or threads.
-    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String>;
+    fn join(&self, wakes: CycleWakes) -> Result<Box<dyn RosConnection>, String>;
 }
 
 /// A node of a bridge in the graph of ROS. Dropping it leaves the graph.

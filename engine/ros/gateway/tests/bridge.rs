@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use asmotion_component::{Activity, Losses, Policy, Time};
 use asmotion_datum::{Datum, OutlineKey, Schema, Shape};
 use asmotion_ros_gateway::{
-    MappedTopic, MessageReceiver, MessageSender, RosBridge, RosConnection, RosDirection,
-    RosMessage, RosTransport, Wake,
+    CycleWakes, MappedTopic, MessageReceiver, MessageSender, RosBridge, RosConnection,
+    RosDirection, RosMessage, RosTransport, Wake,
 };
 use asmotion_runtime::{Log, Run, System};
 
@@ -63,8 +63,8 @@ impl RosTransport for Memory {
         Ok(stamped(true))
     }
 
-    fn join(&self, wake: Wake) -> Result<Box<dyn RosConnection>, String> {
-        self.with(|state| state.wake = Some(wake));
+    fn join(&self, wakes: CycleWakes) -> Result<Box<dyn RosConnection>, String> {
+        self.with(|state| state.wake = Some(wakes.wake));
         Ok(Box::new(self.clone()))
     }
 }

@@ -36,6 +36,8 @@ pub(crate) struct Context {
     known_changes: AtomicU64,
     /// Set when the node ends.
     pub(crate) ended: watch::Sender<bool>,
+    /// Notified when a message of a topic has been put into queues, and when the node ends.
+    read: Notify,
     health: Mutex<Health>,
     watchers: Mutex<Vec<Weak<Notifier>>>,
 }
@@ -54,6 +56,7 @@ impl Context {
             changes: AtomicU64::new(0),
             known_changes: AtomicU64::new(0),
             ended: watch::Sender::new(false),
+            read: Notify::new(),
             health: Mutex::new(Health::now(LinkState::Down {
                 reason: "not yet registered".into(),
             })),
@@ -125,6 +128,18 @@ impl Context {
 
     pub(crate) fn end(&self) {
         self.ended.send_replace(true);
+        self.read.notify_one();
+    }
+
+    /// Lets the thread that reads topics know that a message waits in queues.
+    pub(crate) fn note_read(&self) {
+        self.read.notify_one();
+    }
+
+    /// Returns when messages wait in queues, and whether the node goes on.
+    pub(crate) async fn has_read(&self) -> bool {
+        self.read.notified().await;
+        !*self.ended.borrow()
     }
 
     /// Returns when the node ends.

@@ -32,6 +32,7 @@ mod notice;
 mod parameter;
 mod provider;
 mod publication;
+mod reader;
 mod registrar;
 mod relays;
 mod server;

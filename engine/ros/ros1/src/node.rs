@@ -23,6 +23,7 @@ use crate::names::RosName;
 use crate::parameter::FollowedParameter;
 use crate::provider::ProvidedService;
 use crate::publication::{Publication, RosPublisherCounts};
+use crate::reader::TopicReader;
 use crate::registrar::Registrar;
 use crate::server::{serve_api, serve_data};
 use crate::settings::RosSettings;
@@ -42,6 +43,8 @@ pub struct RosNode {
     tables: Arc<Tables>,
     tasks: Handle,
     thread: Option<JoinHandle<()>>,
+    /// `None` if topics are read by the threads of the node.
+    _reader: Option<TopicReader>,
 }
 
 /// Publishes one topic. Dropping it ends the publication, after the messages in the queues.
@@ -88,6 +91,8 @@ impl RosNode {
             .map_err(system)?;
         let tasks = runtime.handle().clone();
         let tables = Arc::new(Tables::default());
+        let reader = TopicReader::of(&context).map_err(system)?;
+        let readers = reader.as_ref().map_or(&tasks, |it| &it.tasks).clone();
         {
             let _inside = runtime.enter();
             let api = tokio::net::TcpListener::from_std(api).map_err(system)?;
@@ -95,12 +100,12 @@ impl RosNode {
             let slave = Arc::new(Slave {
                 context: Arc::clone(&context),
                 tables: Arc::clone(&tables),
-                tasks: tasks.clone(),
+                tasks: readers.clone(),
             });
             runtime.spawn(serve_api(api, slave));
             runtime.spawn(serve_data(data, Arc::clone(&context), Arc::clone(&tables)));
         }
-        let registrar = Registrar::new(Arc::clone(&context), Arc::clone(&tables), tasks.clone());
+        let registrar = Registrar::new(Arc::clone(&context), Arc::clone(&tables), readers);
         let thread = std::thread::Builder::new()
             .name("ros".to_owned())
             .spawn(move || {
@@ -113,6 +118,7 @@ impl RosNode {
             tables,
             tasks,
             thread: Some(thread),
+            _reader: reader,
         })
     }
 

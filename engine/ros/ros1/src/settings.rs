@@ -26,6 +26,9 @@ pub struct RosSettings {
     pub limits: RosLimits,
     /// Receives events that no call returns; called by threads of the node, and must not block.
     pub notices: Arc<dyn Fn(&RosNotice) + Send + Sync>,
+    /// Called after messages of topics have been put into the queues of their subscribers, in the thread that reads all topics, which
+    /// has nothing else to do until it returns. It may drop the node. `None`: the threads of the node read topics beside others.
+    pub after_reading: Option<Arc<dyn Fn() + Send + Sync>>,
 }
 
 /// Times of a node.
@@ -102,6 +105,7 @@ impl RosSettings {
             timing: RosTiming::default(),
             limits: RosLimits::default(),
             notices: Arc::new(|_| ()),
+            after_reading: None,
         }
     }
 }

@@ -277,6 +277,7 @@ impl TopicSubscription {
                     envelope.age = arrivals.waited();
                     envelope.payload = Payload::Sample(Arc::new(datum));
                     self.pass_on(&envelope);
+                    context.note_read();
                 }
                 Err(error) => {
                     self.unreadable.fetch_add(1, Ordering::Relaxed);

@@ -160,6 +160,12 @@ impl Node {
         self.inner.graph.set_waker(waker);
     }
 
+    /// Sets what is called after messages have been put into queues, in the thread of the node, which has nothing else to do until it
+    /// returns. It may drop the node. Only the first one counts, also for nodes [beside](Self::beside) this one.
+    pub fn call_after_reading(&self, call: Waker) {
+        self.inner.reactor.call_after_reading(call);
+    }
+
     /// The name of the node with its namespace.
     pub fn full_name(&self) -> String {
         self.inner.full_name()
@@ -178,7 +184,10 @@ impl Drop for Node {
         };
         self.inner.leave_graph();
         self.inner.reactor.stop();
-        // the thread does not panic on input; if it did, the message is already out
-        let _ = root.thread.join();
+        // the thread that drops its own node ends later
+        if root.thread.thread().id() != std::thread::current().id() {
+            // it does not panic on input; if it did, the message is already out
+            let _ = root.thread.join();
+        }
     }
 }

@@ -6,17 +6,17 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use rustdds::mio1::{Events, Interest, Poll, Registry, Token, Waker};
+use rustdds::mio1::{self, Events, Interest, Poll, Registry, Token};
 use rustdds::no_key::SimpleDataReader;
 use rustdds::{DomainParticipant, SampleIdentity, StatusEvented, Timestamp};
 
 use crate::gid::Gid;
 use crate::graph::SharedGraph;
-use crate::notice::Notice;
+use crate::notice::{Notice, Waker};
 use crate::payload::{Payload, Raw};
 
 /// A message as it comes from DDS.
@@ -65,9 +65,11 @@ struct Orders {
 /// The part of the reactor that all threads share.
 pub(crate) struct Reactor {
     registry: Registry,
-    waker: Waker,
+    waker: mio1::Waker,
     orders: Mutex<Orders>,
     chores: Mutex<Vec<Weak<dyn Chore>>>,
+    /// Called without locks after readers have been emptied. Set once.
+    after_reading: OnceLock<Waker>,
     stopped: AtomicBool,
 }
 
@@ -105,9 +107,10 @@ impl Reactor {
         let poll = Poll::new()?;
         let reactor = Arc::new(Self {
             registry: poll.registry().try_clone()?,
-            waker: Waker::new(poll.registry(), WAKE)?,
+            waker: mio1::Waker::new(poll.registry(), WAKE)?,
             orders: Mutex::default(),
             chores: Mutex::default(),
+            after_reading: OnceLock::new(),
             stopped: AtomicBool::new(false),
         });
         let mut status = participant.status_listener();
@@ -148,6 +151,12 @@ impl Reactor {
     pub(crate) fn stop(&self) {
         self.stopped.store(true, Ordering::Release);
         self.wake();
+    }
+
+    /// Sets what is called, in the thread, after readers have been emptied.
+    pub(crate) fn call_after_reading(&self, call: Waker) {
+        // the first one stays: an owner sets it once
+        let _ = self.after_reading.set(call);
     }
 
     /// Hands over a reader.
@@ -237,6 +246,9 @@ impl Reactor {
                 {
                     full.push(token);
                 }
+            }
+            if let Some(call) = self.after_reading.get() {
+                call();
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Wakes a component's thread: a flag and an unpark, neither of which blocks.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, Weak};
 use std::thread::Thread;
 
 use super::bell::ExecutorBell;
@@ -11,7 +11,18 @@ pub(crate) enum WakeTarget {
     /// A thread of its own.
     Thread(Thread),
     /// The executor threads, in which it has this seat.
-    Seat(Arc<ExecutorBell>, usize),
+    Seat {
+        bell: Arc<ExecutorBell>,
+        seat: usize,
+        /// Weak: a component may own the thread that it is lent.
+        turns: Weak<dyn LentTurns>,
+    },
+}
+
+/// Runs turns of the executor threads in a thread that is lent to them.
+pub(crate) trait LentTurns: Send + Sync {
+    /// Runs the turns that are ready, as long as they are expected to be brief, in the current thread.
+    fn run_lent(self: Arc<Self>);
 }
 
 /// Lets other threads wake a component's thread.
@@ -42,7 +53,7 @@ impl WakeTarget {
     pub(crate) fn wake(&self) {
         match self {
             Self::Thread(thread) => thread.unpark(),
-            Self::Seat(bell, seat) => bell.wake(*seat),
+            Self::Seat { bell, seat, .. } => bell.wake(*seat),
         }
     }
 }
@@ -69,6 +80,20 @@ impl ThreadWaker {
     pub(crate) fn request_cycle(&self) {
         self.cycle_requested.store(true, Ordering::Release);
         self.wake();
+    }
+
+    /// Requests a cycle, and lends the current thread to the executor threads for it and what it triggers: nothing has to be
+    /// woken then. A component with a thread of its own is woken.
+    pub(crate) fn lend_thread(&self) {
+        self.cycle_requested.store(true, Ordering::Release);
+        let Some(WakeTarget::Seat { bell, seat, turns }) = self.target.get() else {
+            return self.wake();
+        };
+        // none are left when the run has ended
+        if let Some(turns) = turns.upgrade() {
+            bell.note(*seat);
+            turns.run_lent();
+        }
     }
 
     fn wake(&self) {

@@ -5,10 +5,14 @@
 //! another thread takes its place, so that a component that blocks delays others by no more than that; there are at most as many
 //! threads as groups that block at once, and `width + 1`. A thread that finds nothing to do sleeps until the next group is due
 //! or the bell rings.
+//!
+//! A thread that brings data can be lent to them ([`LentTurns`]): it runs the cycle that takes the data and those that follow, as
+//! long as they are expected to be brief, so that no thread has to be woken. Commands are left to the executor threads: they may
+//! take long, or end the lent thread.
 
 use std::num::NonZeroU64;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -18,12 +22,15 @@ use asmotion_port::Time;
 
 use super::group::{ComponentGroup, NextStep};
 use super::seat_schedule::{SeatSchedule, SeatTurn, SeatWait};
-use crate::context::{ExecutorBell, LiveContext, WakeTarget};
+use crate::context::{ExecutorBell, LentTurns, LiveContext, WakeTarget};
 use crate::effects::Effects;
 use crate::event::Event;
 
 /// Delay by which the operating system may wake an executor thread late, to save power, in nanoseconds.
 const TIMER_SLACK: u64 = 1_000;
+
+/// Most turns of a lent thread before it goes back to what it was doing.
+const LENT_TURNS: usize = 16;
 
 /// The executor threads of a system. Owned by the run; the threads share `shared`.
 pub(super) struct ExecutorThreads {
@@ -41,6 +48,8 @@ struct SharedExecutor {
 struct ExecutorState {
     schedule: SeatSchedule<Box<ComponentGroup>>,
     threads: Vec<JoinHandle<()>>,
+    /// Turns in lent threads.
+    lent: usize,
     /// The threads end once no group is ready.
     ended: bool,
 }
@@ -52,6 +61,7 @@ impl ExecutorThreads {
         let state = ExecutorState {
             schedule: SeatSchedule::new(width),
             threads: Vec::new(),
+            lent: 0,
             ended: false,
         };
         Self {
@@ -75,7 +85,12 @@ impl ExecutorThreads {
     }
 
     pub(super) fn target(&self, seat: usize) -> WakeTarget {
-        WakeTarget::Seat(Arc::clone(&self.shared.bell), seat)
+        let shared: Weak<SharedExecutor> = Arc::downgrade(&self.shared);
+        WakeTarget::Seat {
+            bell: Arc::clone(&self.shared.bell),
+            seat,
+            turns: shared,
+        }
     }
 
     /// Ends the threads, each after its turn and what is ready.
@@ -159,7 +174,7 @@ impl SharedExecutor {
             return;
         }
         let mut state = self.lock();
-        if state.threads.len() <= state.schedule.running() {
+        if state.threads.len() + state.lent <= state.schedule.running() {
             self.spawn(&mut state);
         }
     }
@@ -176,7 +191,7 @@ impl SharedExecutor {
             since,
             ..
         } = turn;
-        let next = take_turn(&mut group);
+        let next = self.bell.during_turn(|| take_turn(&mut group));
         let Some(next) = next else {
             // a component takes its time to be dropped, so without the lock
             drop(group);
@@ -184,6 +199,39 @@ impl SharedExecutor {
             state.schedule.remove(seat);
             return state;
         };
+        self.put_back((seat, since), group, next, context)
+    }
+
+    /// Runs one turn of a group in a lent thread. Returns `false` as well if it is left to the executor threads: with commands.
+    fn lent_turn(
+        &self,
+        turn: SeatTurn<Box<ComponentGroup>>,
+        context: &mut LiveContext,
+    ) -> (MutexGuard<'_, ExecutorState>, bool) {
+        let SeatTurn {
+            seat,
+            mut group,
+            since,
+            ..
+        } = turn;
+        let advance = || (!group.has_command()).then(|| group.advance());
+        // components are guarded one by one; after a panic elsewhere, an executor thread goes on
+        let advance = || catch_unwind(AssertUnwindSafe(advance)).unwrap_or_default();
+        let next = self.bell.during_turn(advance);
+        let step = next.unwrap_or(NextStep::Cycle);
+        let mut state = self.put_back((seat, since), group, step, context);
+        state.lent -= 1;
+        (state, next.is_some())
+    }
+
+    /// Puts a group back after its turn, which began at a time.
+    fn put_back(
+        &self,
+        (seat, since): (usize, Time),
+        group: Box<ComponentGroup>,
+        next: NextStep,
+        context: &mut LiveContext,
+    ) -> MutexGuard<'_, ExecutorState> {
         let now = context.now();
         let leader = group.leader().map(|unit| Arc::clone(&unit.name));
         let mut state = self.lock();
@@ -212,6 +260,35 @@ impl SharedExecutor {
             data,
         };
         context.emit(context.now(), &report);
+    }
+}
+
+impl LentTurns for SharedExecutor {
+    fn run_lent(self: Arc<Self>) {
+        let mut context = self.context.clone();
+        let mut state = self.lock();
+        let mut goes_on = !state.ended;
+        for _ in 0..LENT_TURNS {
+            self.bell.take_woken(|seat| state.schedule.wake(seat));
+            if !goes_on {
+                break;
+            }
+            let Some(turn) = state.schedule.take_lent(context.now()) else {
+                break;
+            };
+            state.lent += 1;
+            drop(state);
+            if turn.needs_thread {
+                self.call_thread();
+            }
+            (state, goes_on) = self.lent_turn(turn, &mut context);
+        }
+        self.bell.take_woken(|seat| state.schedule.wake(seat));
+        let needs_thread = state.schedule.needs_thread();
+        drop(state);
+        if needs_thread {
+            self.call_thread();
+        }
     }
 }
 

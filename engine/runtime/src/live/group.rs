@@ -6,7 +6,7 @@ use asmotion_component::Drive;
 use asmotion_port::Time;
 
 use crate::component_unit::ComponentUnit;
-use crate::context::{LiveContext, ThreadWaker};
+use crate::context::{LiveContext, ThreadWaker, ring_for_noted};
 use crate::run::Act;
 
 /// A command from the run's owner.
@@ -38,6 +38,8 @@ pub(super) enum NextStep {
 pub(super) struct ComponentGroup {
     members: Vec<GroupMember>,
     commands: mpsc::Receiver<WorkerCommand>,
+    /// A command that has been received and not carried out.
+    received: Option<WorkerCommand>,
     context: LiveContext,
     /// Cycles may run. Set once all components of the system have been started, so that a call in a first cycle finds
     /// its provider running, whatever the order of the components.
@@ -67,6 +69,7 @@ impl ComponentGroup {
         Self {
             members: members.collect(),
             commands,
+            received: None,
             context,
             released: false,
             pending: None,
@@ -111,10 +114,23 @@ impl ComponentGroup {
         soonest
     }
 
+    /// Returns whether a command waits, or the owner of the run is gone.
+    pub(super) fn has_command(&mut self) -> bool {
+        if self.received.is_none() {
+            match self.commands.try_recv() {
+                Ok(command) => self.received = Some(command),
+                Err(mpsc::TryRecvError::Empty) => return false,
+                Err(mpsc::TryRecvError::Disconnected) => return true,
+            }
+        }
+        true
+    }
+
     /// Carries out waiting commands. Returns whether to continue.
     pub(super) fn process_commands(&mut self) -> bool {
         loop {
-            match self.commands.try_recv() {
+            let received = self.received.take();
+            match received.map_or_else(|| self.commands.try_recv(), Ok) {
                 Err(mpsc::TryRecvError::Empty) => return true,
                 Err(mpsc::TryRecvError::Disconnected) | Ok(WorkerCommand::End) => return false,
                 Ok(WorkerCommand::Act(component, act)) => {
@@ -162,6 +178,8 @@ impl ComponentGroup {
         for slave in 0..self.members.len() {
             let unit = &self.members[slave].unit;
             if unit.master == master && unit.state().is_running() {
+                // a slave may take its time
+                ring_for_noted();
                 self.cycle(slave);
             }
         }

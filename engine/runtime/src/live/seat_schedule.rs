@@ -17,6 +17,9 @@ const PATIENCE: Duration = Duration::from_millis(2);
 /// Limit on the duration of a turn for which a thread needs no other one to watch the clock.
 const BRIEF: Duration = Duration::from_micros(200);
 
+/// Limit on the duration of a turn that runs in a thread which is lent.
+const LENT: Duration = Duration::from_micros(500);
+
 /// Delay of a group that is due while the thread that watched the clock is in a turn that was expected to be brief: the operating
 /// system can give the processor to another process in it. A second thread wakes each time it passes.
 const SLACK: Duration = Duration::from_millis(1);
@@ -175,6 +178,18 @@ impl<G> SeatSchedule<G> {
             since: now,
             needs_thread: has_more || !self.is_watched(slack),
         })
+    }
+
+    /// As [`take`](Self::take), for a thread that is lent: only a group whose turn is expected to be brief.
+    pub(super) fn take_lent(&mut self, now: Time) -> Option<SeatTurn<G>> {
+        let first = self.ready.front()?;
+        let is_brief = self.seats.get(*first).is_some_and(|it| it.usual <= LENT);
+        is_brief.then(|| self.take(now)).flatten()
+    }
+
+    /// Returns whether a thread has to look after the groups when one that was lent leaves.
+    pub(super) fn needs_thread(&self) -> bool {
+        !self.ready.is_empty() || !self.is_watched(Duration::ZERO)
     }
 
     /// Takes a group back after its turn. Returns whether the turn is to be reported, because it was long and others had to wait
