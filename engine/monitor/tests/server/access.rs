@@ -126,18 +126,7 @@ fn without_control_a_token_does_not_help() {
             .contains("--control")
     );
     // there is no other way to write
-    let (head, _) = {
-        let mut stream = TcpStream::connect(fixture.address()).unwrap();
-        let request = format!(
-            "POST /api/components HTTP/1.1\r\n{}Connection: close\r\nContent-Length: 2\r\n\r\n{{}}",
-            fixture.host()
-        );
-        stream.write_all(request.as_bytes()).unwrap();
-        let mut text = String::new();
-        stream.read_to_string(&mut text).unwrap();
-        let (head, body) = text.split_once("\r\n\r\n").unwrap();
-        (head.to_owned(), body.to_owned())
-    };
+    let (head, _) = fixture.send("POST", "/api/components", &fixture.host());
     assert!(head.starts_with("HTTP/1.1 405"), "{head}");
 }
 

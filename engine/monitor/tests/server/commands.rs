@@ -2,7 +2,7 @@
 
 use asmotion_component::Time;
 use asmotion_monitor::BearerToken;
-use asmotion_remote::{CommandOutcome, CommandRecord, TabLogin};
+use asmotion_remote::{CommandOutcome, CommandRecord};
 use serde_json::{Value, json};
 
 use crate::{Client, Fixture};

@@ -22,15 +22,14 @@ use asmotion_bus::{Bus, LocalBus, Notifier, Payload, Refusal};
 use asmotion_component::Time;
 use asmotion_datum::{Datum, Sample};
 use asmotion_monitor::{
-    BearerToken, BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus,
+    BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus,
     SystemDescription,
 };
 use asmotion_runtime::{Event, Observer};
 use serde_json::{Value, json};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
-use tungstenite::protocol::frame::coding::CloseCode;
-use tungstenite::{Error, Message, WebSocket};
+use tungstenite::{Message, WebSocket};
 
 const PATIENCE: Duration = Duration::from_secs(30);
 
