@@ -457,7 +457,7 @@ fn c18_a_component_of_another_kind_or_interface_replaces_none() {
     let refused = [
         (
             "Idler",
-            "it uses other services, operations or message types, which needs a new start",
+            "it provides other operations, which needs a new start of the process",
         ),
         ("Three", "unknown component `Three`"),
     ];

@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex};
 
 use crate::common::{Double, Number, behaviour, burst, number};
 use asmotion_component::{
-    Activity, Component, Cycle, Fault, Freeze, In, Interface, Losses, OnStale, Out, Policy, Properties,
-    PropertySet, Provided, Span, Time, Transition, freeze_by_fields,
+    Activity, Component, Cycle, Fault, Freeze, In, Interface, Losses, OnStale, Out, Policy,
+    Properties, PropertySet, Provided, Span, Time, Transition, freeze_by_fields,
 };
 use asmotion_datum::Datum;
 use asmotion_runtime::{Log, Run, Simulation, System};
