@@ -264,10 +264,10 @@ impl<'a> Cycle<'a> {
         })
     }
 
-    /// Returns whether anybody receives the reports of this cycle. A component whose reports are costly makes them only then; it
-    /// decides nothing else by this.
-    pub fn is_observed(&self) -> bool {
-        self.host.is_observed()
+    /// Returns whether anybody uses reports of this kind. A component whose reports are costly makes them only then; it decides
+    /// nothing else by this.
+    pub fn wants_report(&self, kind: &str) -> bool {
+        self.host.wants_report(kind)
     }
 
     /// Reports data to the observers, also if the cycle fails later. Components do not receive reports.

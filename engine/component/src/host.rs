@@ -83,8 +83,8 @@ pub trait CycleHost: PropertyHost {
     /// Returns whether the component is to stop and its activity allows the interruption of a cycle.
     fn is_interrupted(&self) -> bool;
 
-    /// Returns whether anybody receives the component's reports.
-    fn is_observed(&self) -> bool;
+    /// Returns whether anybody uses reports of this kind.
+    fn wants_report(&self, kind: &str) -> bool;
 }
 
 /// A request that waits for its provider's cycle.

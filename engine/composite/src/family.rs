@@ -9,6 +9,7 @@ use crate::codes::c080::CircularInclusion;
 use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
 use crate::codes::c175::WrongRosDefinition;
 use crate::codes::c190::NoCertificate;
+use crate::codes::c210::InvalidInstances;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -89,6 +90,7 @@ impl Family {
             chain: Vec::new(),
             is_elsewhere: false,
             repeated: Vec::new(),
+            counting: BTreeMap::new(),
         };
         visit.composite(&root, None);
         let Visit {
@@ -329,6 +331,8 @@ struct Visit<'v, 'c> {
     is_elsewhere: bool,
     /// Places of the elements that stand for several instances.
     repeated: Vec<Span>,
+    /// Properties of each composite on which numbers of instances depend.
+    counting: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Visit<'_, '_> {
@@ -338,7 +342,14 @@ impl Visit<'_, '_> {
         }
         let tree = self.tree(path, at);
         let read = tree.zip(self.sources.find(path)).and_then(|(tree, file)| {
-            let read = read::composite(file, self.sources.text(file), &tree);
+            // those of the outermost composite
+            let settings = if self.chain.is_empty() {
+                self.context.settings
+            } else {
+                &[]
+            };
+            let read = read::composite(file, self.sources.text(file), &tree, settings);
+            self.counting.insert(path.to_owned(), read.counting);
             self.report.extend(read.report);
             self.repeated.extend(read.repeated);
             if let Some(composite) = &read.composite {
@@ -389,6 +400,7 @@ impl Visit<'_, '_> {
                     if let Some(found) = self.resolve(file)
                         && self.nest(&found, file.span)
                     {
+                        self.check_counts(component, &found);
                         paths.insert(file.value.clone(), found);
                     }
                     self.is_elsewhere = outer;
@@ -427,6 +439,27 @@ impl Visit<'_, '_> {
                 unread,
             },
         );
+    }
+
+    /// Reports properties of a nested composite that are set here and on which its numbers of instances depend: they are
+    /// determined when the file is read, which it is once for all components.
+    fn check_counts(&mut self, component: &Component, nested: &str) {
+        let Some(counting) = self.counting.get(nested) else {
+            return;
+        };
+        for setting in &component.properties {
+            if counting.contains(&setting.name.value) {
+                self.report.found(InvalidInstances {
+                    reason: format!(
+                        "`{}` says how many instances there are in `{nested}`, and can be set for the outermost composite only",
+                        setting.name.value
+                    ),
+                    at: setting.name.span,
+                    is_malformed: false,
+                    earlier: None,
+                });
+            }
+        }
     }
 
     /// Reads the folders with definitions that the bridges of a composite name, and notes their paths. Returns the types by bridge,

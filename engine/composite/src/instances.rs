@@ -1,12 +1,14 @@
 //! Several elements from one: `for = "$r in 1..20"` in a component, a connection, a wire, … stands for one element for each value
 //! of `$r`, which is substituted in its names and strings.
 
+mod properties;
 mod range;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
 
+pub(crate) use self::properties::RangeProperties;
 use self::range::{ElementInstance, instances};
 use crate::at::At;
 use crate::codes::c009::{InvalidName, UnknownVariable};
@@ -19,23 +21,34 @@ use crate::tree::{Branch, Entry, Node, Table};
 const FOR: &str = "for";
 
 /// Replaces the elements of a table that have the key `for` by their instances. An element whose instances cannot be determined is
-/// reported and left out. Returns the places of the elements, each from its name to its last value, with the variables of its
-/// `for`, without `$`.
+/// reported and left out. `properties` are the values that a range can contain.
 pub(crate) fn expand(
     table: &mut Table,
     outline: &Outline,
+    properties: &RangeProperties,
     report: &mut Report,
-) -> Vec<(Span, Vec<String>)> {
+) -> ExpandedElements {
     let mut expansion = Expansion {
-        places: Vec::new(),
+        elements: ExpandedElements::default(),
+        properties,
         report,
     };
     expansion.table(table, outline);
-    expansion.places
+    expansion.elements
+}
+
+/// The elements that have been replaced by their instances.
+#[derive(Default)]
+pub(crate) struct ExpandedElements {
+    /// Their places, each from the name to the last value, with the variables of the `for`, without `$`.
+    pub places: Vec<(Span, Vec<String>)>,
+    /// The properties on which the number of instances depends.
+    pub properties: BTreeSet<String>,
 }
 
 struct Expansion<'r> {
-    places: Vec<(Span, Vec<String>)>,
+    elements: ExpandedElements,
+    properties: &'r RangeProperties,
     report: &'r mut Report,
 }
 
@@ -145,19 +158,24 @@ impl Expansion<'_> {
         let Some(index) = table.entries.iter().position(|it| it.key.value == FOR) else {
             return (None, element);
         };
-        let range = table.entries.remove(index);
+        let mut range = table.entries.remove(index);
         let place = extent(&element, at.to(range.node.span));
-        let found = instances(&range.node).unwrap_or_else(|reason| {
+        let used = &mut self.elements.properties;
+        let substituted = self.properties.substitute(&mut range.node, used);
+        let is_malformed = substituted.is_ok();
+        let found = substituted.and_then(|()| instances(&range.node));
+        let found = found.unwrap_or_else(|reason| {
             self.report.found(InvalidInstances {
                 reason,
                 at: range.node.span,
-                is_malformed: true,
+                is_malformed,
                 earlier: None,
             });
             Vec::new()
         });
         let variables = found.first().map(ElementInstance::variables);
-        self.places.push((place, variables.unwrap_or_default()));
+        let places = &mut self.elements.places;
+        places.push((place, variables.unwrap_or_default()));
         (Some(found), element)
     }
 }

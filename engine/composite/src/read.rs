@@ -1,5 +1,7 @@
 //! Parses composite files into a [`Composite`] without semantic checks.
 
+use std::collections::BTreeSet;
+
 use asmotion_diagnostics::{FileId, Report, Span};
 
 use crate::at::At;
@@ -7,7 +9,7 @@ use crate::codes::c001::InvalidToml;
 use crate::codes::c002::UnreadableComposite;
 use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
-use crate::instances;
+use crate::instances::{self, RangeProperties};
 use crate::misspelt;
 use crate::model::{Composite, Terminal};
 use crate::table::Table as _;
@@ -26,19 +28,28 @@ pub(crate) struct ReadComposite {
     pub composite: Option<Composite>,
     /// Places of the elements that stand for several instances.
     pub repeated: Vec<Span>,
+    /// Properties on which numbers of instances depend.
+    pub counting: BTreeSet<String>,
     /// Entries of tables of names that could not be read: the key of the table, and the name.
     pub unread: Vec<(&'static str, String)>,
     pub report: Report,
 }
 
-/// Reads a composite from a TOML tree.
-pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> ReadComposite {
+/// Reads a composite from a TOML tree. `settings` are properties that are set from outside.
+pub(crate) fn composite(
+    file: FileId,
+    text: &str,
+    tree: &Table,
+    settings: &[(String, String)],
+) -> ReadComposite {
     let mut reader = Reader::new(text);
     let top = top(file);
     let (mut tree, outline) = (tree.clone(), Composite::outline());
     misspelt::correct(&mut tree, &outline, &mut reader.report);
     let mut found = Report::new();
-    reader.instances = instances::expand(&mut tree, &outline, &mut found);
+    let properties = RangeProperties::new(&tree, settings);
+    let expanded = instances::expand(&mut tree, &outline, &properties, &mut found);
+    reader.instances = expanded.places;
     let are_expanded = !found.has_errors();
     reader.report.extend(found);
     let mut keys = reader.keys(&tree, outline.of, top);
@@ -51,6 +62,7 @@ pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> ReadComposite
     ReadComposite {
         // missing elements would be reported wherever they are named
         composite: composite.filter(|_| is_known),
+        counting: expanded.properties,
         repeated: reader.instances.into_iter().map(|(at, _)| at).collect(),
         unread: reader.unread,
         report: reader.report,

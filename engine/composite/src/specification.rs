@@ -63,6 +63,9 @@ impl Specifications for AsmFiles<'_> {
                     executable,
                     annotations,
                     warnings,
+                    read_functions: LastCall::new(),
+                    missing_literals: LastCall::new(),
+                    undefined_at_start: LastCall::new(),
                 })))
             }
             None => Err(report.finish()),
@@ -82,6 +85,31 @@ struct ModelSignature {
     annotations: Annotations,
     /// Warnings that concern runs.
     warnings: Report,
+    read_functions: LastCall<Vec<String>, Option<BTreeSet<String>>>,
+    missing_literals: LastCall<BTreeMap<String, BTreeSet<String>>, Vec<MissingLiteral>>,
+    undefined_at_start: LastCall<BTreeMap<String, StartValue>, Vec<(String, Span)>>,
+}
+
+/// The last call of a function: its argument and its result. Components that are instances of one element ask the same, one after
+/// the other.
+struct LastCall<K, V>(RefCell<Option<(K, V)>>);
+
+impl<K: PartialEq, V: Clone> LastCall<K, V> {
+    fn new() -> Self {
+        Self(RefCell::new(None))
+    }
+
+    /// Returns the result of the last call if it had this argument; otherwise computes it.
+    fn get(&self, is_argument: impl FnOnce(&K) -> bool, call: impl FnOnce() -> (K, V)) -> V {
+        if let Some((last, result)) = &*self.0.borrow()
+            && is_argument(last)
+        {
+            return result.clone();
+        }
+        let (argument, result) = call();
+        *self.0.borrow_mut() = Some((argument, result.clone()));
+        result
+    }
 }
 
 /// Returns the model, and a warning about properties that a run cannot watch.
@@ -204,6 +232,38 @@ impl Signature for ModelSignature {
     }
 
     fn read_functions(&self, terms: &[&str]) -> Option<BTreeSet<String>> {
+        let call = || {
+            let owned = terms.iter().map(|it| (*it).to_owned());
+            (owned.collect(), Some(self.find_read_functions(terms)))
+        };
+        self.read_functions.get(|last| *last == terms, call)
+    }
+
+    fn missing_literals(&self, inputs: &BTreeMap<String, BTreeSet<String>>) -> Vec<MissingLiteral> {
+        let call = || (inputs.clone(), self.find_missing_literals(inputs));
+        self.missing_literals.get(|last| last == inputs, call)
+    }
+
+    fn undefined_at_start(&self, values: &BTreeMap<String, StartValue>) -> Vec<(String, Span)> {
+        let find = |it: &Executable| it.undefined_at_start(&self.model.borrow(), values);
+        let call = || {
+            let found = self.executable.as_ref().map_or_else(Vec::new, find);
+            (values.clone(), found)
+        };
+        self.undefined_at_start.get(|last| last == values, call)
+    }
+
+    fn main_rule(&self) -> Option<(String, Span)> {
+        let model = self.model.borrow();
+        let main = model.main?;
+        let rule = model.rules.get(main.0 as usize)?;
+        Some((rule.name.to_string(), rule.span))
+    }
+}
+
+impl ModelSignature {
+    /// [`Signature::read_functions`].
+    fn find_read_functions(&self, terms: &[&str]) -> BTreeSet<String> {
         let mut model = self.model.borrow_mut();
         let mut read = ir::read_functions(&model);
         for text in terms {
@@ -221,10 +281,14 @@ impl Signature for ModelSignature {
         let names = read
             .into_iter()
             .map(|id| model.function(id).name.to_string());
-        Some(names.collect())
+        names.collect()
     }
 
-    fn missing_literals(&self, inputs: &BTreeMap<String, BTreeSet<String>>) -> Vec<MissingLiteral> {
+    /// [`Signature::missing_literals`].
+    fn find_missing_literals(
+        &self,
+        inputs: &BTreeMap<String, BTreeSet<String>>,
+    ) -> Vec<MissingLiteral> {
         let model = self.model.borrow();
         let given = |id: hir::FunctionId| {
             let function = model.function(id);
@@ -250,22 +314,6 @@ impl Signature for ModelSignature {
         missing.collect()
     }
 
-    fn undefined_at_start(&self, values: &BTreeMap<String, StartValue>) -> Vec<(String, Span)> {
-        let executable = self.executable.as_ref();
-        executable.map_or_else(Vec::new, |it| {
-            it.undefined_at_start(&self.model.borrow(), values)
-        })
-    }
-
-    fn main_rule(&self) -> Option<(String, Span)> {
-        let model = self.model.borrow();
-        let main = model.main?;
-        let rule = model.rules.get(main.0 as usize)?;
-        Some((rule.name.to_string(), rule.span))
-    }
-}
-
-impl ModelSignature {
     fn parameters(
         &self,
         model: &Model,

@@ -3,6 +3,7 @@
 use crate::bind_error::BindError;
 use crate::binding::{Binding, Interfaces};
 use crate::content::AfterStep;
+use crate::control_locations::ControlLocations;
 use crate::cycle_recorder::{CycleRecorder, RecordedMachine};
 use crate::effects::{EffectHandles, EffectOutbox, OutputResolver, WrittenPort};
 use crate::frame::InputFrame;
@@ -12,7 +13,7 @@ use crate::partners::MessagePartners;
 use crate::prepared::PreparedSpecification;
 use crate::recorded::{CycleCauses, MachineOrigin, RECORDED_CYCLE_REPORT, RecordedCycle};
 use crate::requests::Requests;
-use crate::step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
+use crate::step::{BRIEF_STEP_REPORT, FAILED_STEP_REPORT, STEP_REPORT, StepRecord};
 use crate::typed_input::TypedInput;
 use crate::watch::Watch;
 use crate::watcher::{StepFailure, WatchedStep, Watcher};
@@ -43,6 +44,8 @@ pub struct Coordinator {
     pub(crate) reported: Losses,
     /// The last step that wrote something, for observers; not part of the frozen state.
     pub(crate) last_write: LastWrite,
+    /// The control states that brief reports have told; not part of the frozen state.
+    pub(crate) control: ControlLocations,
     /// Collects what a recording needs; `None` unless the run is recorded. Not part of the frozen state.
     pub(crate) recorder: Option<CycleRecorder>,
     /// Watches the properties of the specification.
@@ -134,6 +137,7 @@ impl Coordinator {
             frame,
             reported: Losses::default(),
             last_write: LastWrite::default(),
+            control: ControlLocations::default(),
             recorder: None,
             watcher: prepared.watcher.clone(),
             prepared,
@@ -172,6 +176,7 @@ impl Component for Coordinator {
     fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
         if self.machine.steps() > 0 {
             self.last_write = self.last_write.for_successor(&self.machine);
+            self.control.clear();
             self.machine = self.prepared.machine(&self.partners);
             self.inbox.stop_timers();
             self.outbox.published.clear();
@@ -290,19 +295,29 @@ impl Coordinator {
         Some(recorder.causes(machine, &self.frame))
     }
 
-    /// Keeps the step that was just made if it wrote or sent something, and reports it to the observers, if there are any.
+    /// Keeps the step that was just made if it wrote or sent something, and reports it in the form that observers use, if any do.
     fn report_step(&mut self, made: &WatchedStep, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let step = self.machine.last_step();
         if made.replaced.is_none() && step.updates().is_empty() && step.sent().is_empty() {
             return Ok(());
         }
         self.last_write.note(&step, cycle.now());
-        if cycle.is_observed() {
+        let record = || {
             let record = StepRecord {
                 safe_rule: made.replaced.as_ref().map(|it| it.rule.clone()),
                 ..StepRecord::of(&self.prepared.specification, &self.machine, &step)
             };
-            cycle.report(STEP_REPORT, Datum::of(&record)?);
+            Datum::of(&record)
+        };
+        if cycle.wants_report(STEP_REPORT) {
+            cycle.report(STEP_REPORT, record()?);
+        } else if cycle.wants_report(BRIEF_STEP_REPORT) {
+            let brief = if self.control.note(&self.machine, &step) {
+                record()?
+            } else {
+                Datum::of(&step.number())?
+            };
+            cycle.report(BRIEF_STEP_REPORT, brief);
         }
         Ok(())
     }

@@ -320,6 +320,7 @@ impl Coordinator {
             return Err(foreign_state("it watches other properties"));
         }
         self.last_write = self.last_write.for_successor(&self.machine);
+        self.control.clear();
         for (input, thawed) in self.inbox.inputs.iter_mut().zip(inputs) {
             thawed.assign(input);
         }

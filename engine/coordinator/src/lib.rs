@@ -8,6 +8,7 @@ mod bind_error;
 mod binding;
 mod bound_location;
 mod content;
+mod control_locations;
 mod convert;
 mod coordinator;
 mod cycle_recorder;
@@ -51,7 +52,7 @@ pub use recorded::{
     RecordedCycle, ReplacedStep, SourceRecord,
 };
 pub use status::{CONTROL_STATES, CoordinatorStatus, function_of};
-pub use step::{FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
+pub use step::{BRIEF_STEP_REPORT, FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
 pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
 pub use watch::{GivenProperty, Watch};
 pub use watched_step::StepSubject;

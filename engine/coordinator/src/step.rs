@@ -1,5 +1,6 @@
 //! Reports about steps of the coordinator that wrote something.
 
+use asmotion_datum::Datum;
 use asmotion_lang::Specification;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate;
@@ -8,6 +9,13 @@ use serde::{Deserialize, Serialize};
 
 /// Kind of the report that contains a [`StepRecord`].
 pub const STEP_REPORT: &str = "asm/Step";
+
+/// Kind of the report about a step of which nobody uses the [`STEP_REPORT`]. If the step changed a control state (a location of a
+/// function with a [usual name](crate::CONTROL_STATES)), or wrote one for the first time, it is the same [`StepRecord`];
+/// otherwise it is the number of the step alone.
+///
+/// It spares the text of most steps: for observers that count steps and follow control states.
+pub const BRIEF_STEP_REPORT: &str = "asm/BriefStep";
 
 /// Kind of the report about a step that failed: a [`StepRecord`] with the inputs that it read and the choices that it
 /// made until then, and without updates.
@@ -45,6 +53,13 @@ pub struct UpdateRecord {
 }
 
 impl StepRecord {
+    /// Reads a report about a step; `None` if it is brief and contains the number of the step alone.
+    pub fn of_report(data: &Datum) -> Option<Self> {
+        matches!(data, Datum::Record(_))
+            .then(|| data.to().ok())
+            .flatten()
+    }
+
     /// The record of the step with this number, which has just failed.
     pub fn failed(specification: &Specification, machine: &Machine, number: u64) -> Self {
         let record = Self::of(specification, machine, &machine.last_step());

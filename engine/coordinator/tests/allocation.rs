@@ -9,9 +9,9 @@ use std::alloc::{GlobalAlloc, Layout, System as Heap};
 use std::cell::Cell;
 
 use asmotion_component::{Activity, Span, Time};
-use asmotion_coordinator::{Binding, Coordinator, CoordinatorStatus, Interfaces};
+use asmotion_coordinator::{Binding, Coordinator, CoordinatorStatus, Interfaces, STEP_REPORT};
 use asmotion_lang::MemoryFiles;
-use asmotion_runtime::{Event, Run, Simulation, System};
+use asmotion_runtime::{Event, Observer, ReportInterest, Run, Simulation, System};
 
 /// Counts allocations per thread, because the test harness has threads too.
 struct Counting;
@@ -75,6 +75,14 @@ fn taken(run: &mut Simulation) -> u64 {
     let before = TAKEN.get();
     run.run_for(10.s());
     TAKEN.get() - before
+}
+
+#[test]
+fn a_step_whose_text_nobody_uses_takes_no_memory() {
+    let mut run = clock();
+    let unused = ReportInterest::Except(&[STEP_REPORT]);
+    run.observe((|_: Time, _: &Event<'_>| {}).using(unused));
+    assert_eq!(taken(&mut run), 0);
 }
 
 #[test]

@@ -33,15 +33,47 @@ impl Loader for With<'_> {
 }
 
 fn open(loader: &dyn Loader, file: &str) -> Opened {
+    open_with(loader, file, &[])
+}
+
+fn open_with(loader: &dyn Loader, file: &str, settings: &[(String, String)]) -> Opened {
     let context = Context {
         loader,
         environment: &Variables,
         catalogue: &Tables::EMPTY,
         specifications: &AsmFiles::new(loader),
         programs: &asmotion_composite::NoPrograms,
-        settings: &[],
+        settings,
     };
     asmotion_plan::open(file, &context)
+}
+
+/// Names of the components of a composite, with properties that are set from outside.
+fn components(settings: &[(&str, &str)]) -> Vec<String> {
+    let settings = settings.iter();
+    let settings = settings.map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+    let settings: Vec<_> = settings.collect();
+    let loader = Files::new("tests/composites");
+    let opened = open_with(&loader, "instances_of_properties_are_fine.toml", &settings);
+    let plan = opened.plan(None);
+    let said = || crate::support::render::report(&opened.sources, &opened.report);
+    let plan = plan.unwrap_or_else(|| panic!("{}", said()));
+    plan.components.iter().map(|it| it.name.clone()).collect()
+}
+
+#[test]
+fn properties_determine_the_number_of_instances() {
+    let nested = ["Motor1", "Motor2", "Motor3", "Motor4"].map(|it| format!("Nested/{it}"));
+    let with_nested = |own: &[&str]| -> Vec<String> {
+        let own = own.iter().map(|it| (*it).to_owned());
+        own.chain(nested.clone()).collect()
+    };
+    let default = ["Robot1", "Robot2", "Robot3", "Gate_left", "Gate_right"];
+    assert_eq!(components(&[]), with_nested(&default));
+    let set = components(&[("robots", "1"), ("sides", "north")]);
+    assert_eq!(set, with_nested(&["Robot1", "Gate_north"]));
+    // those of a nested file keep their number
+    assert_eq!(components(&[("robots", "20")]).len(), 20 + 2 + 4);
 }
 
 /// Returns the expansions of a composite by profile, after verifying that each expands to itself.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use asmotion_bus::{Payload, Publisher};
 use asmotion_component::Time;
 use asmotion_datum::Sample;
-use asmotion_runtime::{Event, Observer};
+use asmotion_runtime::{Event, Observer, ReportInterest};
 
 /// Lease of a watch: the output is published until it expires, unless the watcher renews it.
 const LEASE: Duration = Duration::from_secs(15);
@@ -30,6 +30,10 @@ struct WatchedOutput {
 }
 
 impl Observer for LastSamples {
+    fn reports(&self) -> ReportInterest {
+        ReportInterest::NONE
+    }
+
     fn observe(&mut self, _: Time, event: &Event<'_>) {
         let Event::Published {
             component,

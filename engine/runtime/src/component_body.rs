@@ -14,7 +14,7 @@ use asmotion_port::{AnyInput, AnyOutput, PortEffects, TooOld};
 use crate::added_ports::AddedPorts;
 use crate::cause::CycleCause;
 use crate::descriptor::ComponentStatus;
-use crate::effects::ComponentEffects;
+use crate::effects::{ComponentEffects, Effects};
 use crate::event::Event;
 use crate::later_cycle::LaterCycle;
 use crate::peers::PeerTable;
@@ -464,8 +464,8 @@ impl PropertyHost for ComponentBody {
 pub(crate) struct CycleBody<'a> {
     pub body: &'a mut ComponentBody,
     pub status: &'a ComponentStatus,
-    /// Whether any observer receives the reports of the cycle.
-    pub is_observed: bool,
+    /// Knows the observers of the cycle's reports.
+    pub observers: &'a dyn Effects,
 }
 
 impl PropertyHost for CycleBody<'_> {
@@ -646,8 +646,8 @@ impl CycleHost for CycleBody<'_> {
         self.status.is_interrupted()
     }
 
-    fn is_observed(&self) -> bool {
-        self.is_observed
+    fn wants_report(&self, kind: &str) -> bool {
+        self.observers.wants_report(kind)
     }
 }
 

@@ -148,7 +148,7 @@ impl ComponentUnit {
             component: &self.name,
             number,
         });
-        match self.compute(now, number, effects.is_observed()) {
+        match self.compute(now, number, effects) {
             Ok(error) => self.commit(error, now, effects),
             Err(fault) => self.fail(fault, now, effects),
         }
@@ -159,7 +159,7 @@ impl ComponentUnit {
         &mut self,
         now: Time,
         number: u64,
-        is_observed: bool,
+        effects: &dyn Effects,
     ) -> Result<Option<Fault>, Fault> {
         let Self {
             component,
@@ -172,7 +172,7 @@ impl ComponentUnit {
             let mut host = CycleBody {
                 body,
                 status,
-                is_observed,
+                observers: effects,
             };
             let mut cycle = Cycle::new(&mut host, now, number);
             if *state == State::RunTimeError {
@@ -214,12 +214,12 @@ impl ComponentUnit {
             ..
         } = self;
         let number = status.cycles.load(Ordering::Relaxed);
-        let is_observed = effects.is_observed();
+        let observers: &dyn Effects = effects;
         let served = guarded(|| {
             let mut host = CycleBody {
                 body,
                 status,
-                is_observed,
+                observers,
             };
             let mut cycle = Cycle::stopped(&mut host, now, number);
             component.serve(&mut cycle)?;
@@ -307,12 +307,12 @@ impl ComponentUnit {
             ..
         } = self;
         let number = status.cycles.load(Ordering::Relaxed);
-        let is_observed = effects.is_observed();
+        let observers: &dyn Effects = effects;
         let stopped = guarded(|| {
             let mut host = CycleBody {
                 body,
                 status,
-                is_observed,
+                observers,
             };
             let mut cycle = Cycle::new(&mut host, now, number);
             component.stop(&mut cycle);

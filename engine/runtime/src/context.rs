@@ -87,8 +87,8 @@ impl Effects for LiveContext {
         self.events.push(at, event);
     }
 
-    fn is_observed(&self) -> bool {
-        self.events.is_observed()
+    fn wants_report(&self, kind: &str) -> bool {
+        self.events.wants_report(kind)
     }
 
     fn trigger(&mut self, component: usize) {

@@ -11,8 +11,8 @@ pub trait Effects {
     /// Reports an event to the observers.
     fn emit(&mut self, at: Time, event: &Event<'_>);
 
-    /// Returns whether any observer receives events.
-    fn is_observed(&self) -> bool;
+    /// Returns whether any observer uses reports of this kind.
+    fn wants_report(&self, kind: &str) -> bool;
 
     /// Signals new data for the component at this position; an event-driven one cycles.
     fn trigger(&mut self, component: usize);
@@ -34,7 +34,7 @@ pub(crate) struct NoEffects;
 impl Effects for NoEffects {
     fn emit(&mut self, _: Time, _: &Event<'_>) {}
 
-    fn is_observed(&self) -> bool {
+    fn wants_report(&self, _: &str) -> bool {
         false
     }
 

@@ -18,6 +18,66 @@ use asmotion_port::Time;
 pub trait Observer: Send {
     /// Handles one event that happened at `at`.
     fn observe(&mut self, at: Time, event: &Event<'_>);
+
+    /// The reports of components that the observer uses (default: all). Components spare the cost of reports that no observer
+    /// uses; it receives the others as well. Asked once, when the observer is added.
+    fn reports(&self) -> ReportInterest {
+        ReportInterest::All
+    }
+
+    /// The observer with another interest in reports, for closures.
+    fn using(self, reports: ReportInterest) -> InterestedObserver<Self>
+    where
+        Self: Sized,
+    {
+        InterestedObserver {
+            observer: self,
+            reports,
+        }
+    }
+}
+
+/// An observer with an interest in reports of its own; see [`Observer::using`].
+#[derive(Debug, Clone)]
+pub struct InterestedObserver<O> {
+    observer: O,
+    reports: ReportInterest,
+}
+
+impl<O: Observer> Observer for InterestedObserver<O> {
+    fn observe(&mut self, at: Time, event: &Event<'_>) {
+        self.observer.observe(at, event);
+    }
+
+    fn reports(&self) -> ReportInterest {
+        self.reports
+    }
+}
+
+/// The kinds of reports ([`Event::Report`]) that an observer uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ReportInterest {
+    /// All kinds.
+    #[default]
+    All,
+    /// These kinds.
+    Only(&'static [&'static str]),
+    /// All kinds but these.
+    Except(&'static [&'static str]),
+}
+
+impl ReportInterest {
+    /// No reports.
+    pub const NONE: Self = Self::Only(&[]);
+
+    /// Returns whether reports of this kind are used.
+    pub fn includes(self, kind: &str) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(kinds) => kinds.contains(&kind),
+            Self::Except(kinds) => !kinds.contains(&kind),
+        }
+    }
 }
 
 impl<F: FnMut(Time, &Event<'_>) + Send> Observer for F {

@@ -45,7 +45,7 @@ pub use component_unit::{REMOVAL_REPORT, REPLACEMENT_REPORT};
 pub use context::LiveContext;
 pub use descriptor::CycleTime;
 pub use effects::Effects;
-pub use event::{Event, Observer};
+pub use event::{Event, InterestedObserver, Observer, ReportInterest};
 pub use frozen::{FrozenSystem, SystemFreezeError, SystemThawError};
 pub use health::{HealthTopic, publish_without_bus};
 pub use injection::{InjectionPort, InjectionPorts, InjectionTarget};

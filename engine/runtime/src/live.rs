@@ -110,7 +110,10 @@ impl Live {
             ..
         } = system;
         let injections = InjectionPorts::new(&mut units, &topics, &mut connections);
-        let events = Arc::new(EventQueue::new(!observers.is_empty()));
+        let events = Arc::new(EventQueue::new());
+        for observer in &observers {
+            events.observe(observer.reports());
+        }
         let context = LiveContext::new(Instant::now(), units.len(), Arc::clone(&events));
         for unit in &mut units {
             unit.body.work_place = work_place(&context, unit.index);
@@ -164,7 +167,7 @@ impl Live {
 
     /// Adds an observer, which receives all events from now on.
     pub fn observe(&mut self, observer: impl Observer + 'static) {
-        self.events.observe();
+        self.events.observe(observer.reports());
         self.observers.push(Box::new(observer));
     }
 
@@ -190,7 +193,7 @@ impl Live {
                 observer.observe(at, event);
             }
             if let Some(watch) = watch {
-                seen |= watch(at, event);
+                seen |= (watch.predicate)(at, event);
             }
         });
         seen
@@ -411,8 +414,8 @@ impl Executor for Live {
 
     /// Lets time pass: passes events to the observers and injects samples whose time has come.
     fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
-        if watch.is_some() {
-            self.events.observe();
+        if let Some(watch) = &watch {
+            self.events.observe(watch.reports);
         }
         loop {
             self.inject_planned();

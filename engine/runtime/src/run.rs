@@ -25,7 +25,7 @@ use asmotion_port::{Policy, Time};
 
 use crate::build_error::BuildError;
 use crate::descriptor::CycleTime;
-use crate::event::Event;
+use crate::event::{Event, ReportInterest};
 use crate::run_error::RunError;
 
 pub use addition::{ADDITION_REPORT, ComponentAddition};
@@ -50,6 +50,17 @@ pub trait Run {
     fn run_until_event(
         &mut self,
         limit: Time,
+        predicate: &mut dyn FnMut(Time, &Event<'_>) -> bool,
+    ) -> bool {
+        self.run_until_event_among(limit, ReportInterest::All, predicate)
+    }
+
+    /// As [`run_until_event`](Self::run_until_event), with a predicate that uses these reports only: components spare the cost of
+    /// others, unless an observer uses them.
+    fn run_until_event_among(
+        &mut self,
+        limit: Time,
+        reports: ReportInterest,
         predicate: &mut dyn FnMut(Time, &Event<'_>) -> bool,
     ) -> bool;
 

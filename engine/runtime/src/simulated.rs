@@ -99,7 +99,7 @@ impl Simulation {
 
     /// Adds an observer, which receives all events from now on.
     pub fn observe(&mut self, observer: impl Observer + 'static) {
-        self.timeline.observers.push(Box::new(observer));
+        self.timeline.observe(Box::new(observer));
     }
 
     /// Handles the next due item: a cycle, a deadline or an injected sample. Returns the new time, or `None` if nothing
@@ -260,7 +260,7 @@ impl Executor for Simulation {
             let Some(due) = self.timeline.queue.pop_until(until) else {
                 break;
             };
-            let watch = watch.as_mut().map(|watch| &mut **watch as Watch<'_>);
+            let watch = watch.as_mut().map(Watch::reborrow);
             if self.perform(due, watch) {
                 return true;
             }

@@ -8,7 +8,7 @@ use asmotion_component::{
     State, Time,
 };
 use asmotion_datum::{Datum, Schema};
-use asmotion_runtime::{Event, Log, Run, System};
+use asmotion_runtime::{Event, Log, Observer, ReportInterest, Run, System};
 
 /// The values that a reader's cycles see.
 type Seen<T> = Arc<Mutex<Vec<T>>>;
@@ -225,14 +225,14 @@ fn t14_sequence_numbers_have_no_gaps() {
     assert_eq!(numbers, (1..=33).collect::<Vec<_>>());
 }
 
-/// A component that notes each time whether its reports are received.
+/// A component that notes each time whether its reports of the kind `mine` are used.
 fn reporting() -> (System, Seen<bool>) {
     let seen: Seen<bool> = Seen::default();
     let noted = Arc::clone(&seen);
     let mut system = System::new();
     let noting = behaviour(move |_| {
         move |cycle| {
-            noted.lock().unwrap().push(cycle.is_observed());
+            noted.lock().unwrap().push(cycle.wants_report("mine"));
             Ok(())
         }
     });
@@ -256,6 +256,63 @@ fn a_component_knows_whether_anybody_receives_its_reports() {
     system.observe(|_: Time, _: &Event<'_>| {});
     system.simulate().run_until(Time::ZERO + 15.ms());
     assert_eq!(*seen.lock().unwrap(), [true, true]);
+}
+
+const USES: &[(ReportInterest, bool)] = &[
+    (ReportInterest::NONE, false),
+    (ReportInterest::Only(&["other"]), false),
+    (ReportInterest::Except(&["mine", "other"]), false),
+    (ReportInterest::Only(&["other", "mine"]), true),
+    (ReportInterest::Except(&["other"]), true),
+    (ReportInterest::All, true),
+];
+
+#[test]
+fn a_component_knows_whether_anybody_uses_reports_of_a_kind() {
+    for (reports, is_used) in USES {
+        let (system, seen) = reporting();
+        let mut run = system.simulate();
+        run.run_until(Time::ZERO + 5.ms());
+        run.observe((|_: Time, _: &Event<'_>| {}).using(*reports));
+        run.run_until(Time::ZERO + 15.ms());
+        assert_eq!(*seen.lock().unwrap(), [false, *is_used], "{reports:?}");
+        // an observer that joins a run gets its reports, whatever others use
+        run.observe((|_: Time, _: &Event<'_>| {}).using(ReportInterest::Only(&["mine"])));
+        run.run_until(Time::ZERO + 25.ms());
+        assert_eq!(seen.lock().unwrap().last(), Some(&true), "{reports:?}");
+        // and one of a system from the beginning
+        let (mut system, seen) = reporting();
+        system.observe((|_: Time, _: &Event<'_>| {}).using(*reports));
+        system.simulate().run_until(Time::ZERO + 5.ms());
+        assert_eq!(*seen.lock().unwrap(), [*is_used], "{reports:?}");
+    }
+}
+
+#[test]
+fn a_component_knows_which_reports_a_predicate_uses() {
+    for (reports, is_used) in USES {
+        let (system, seen) = reporting();
+        let mut run = system.simulate();
+        run.run_until_event_among(Time::ZERO + 15.ms(), *reports, &mut |_, _| false);
+        assert_eq!(*seen.lock().unwrap(), [*is_used; 2], "{reports:?}");
+    }
+}
+
+#[test]
+fn in_real_time_a_component_knows_whether_anybody_uses_reports_of_a_kind() {
+    let (mut system, seen) = reporting();
+    let unused = ReportInterest::Except(&["mine"]);
+    system.observe((|_: Time, _: &Event<'_>| {}).using(unused));
+    let mut run = system.live();
+    let is_long = || seen.lock().unwrap().len() > 3;
+    while !is_long() {
+        let until = run.now() + 10.ms();
+        run.run_until_event_among(until, unused, &mut |_, _| false);
+    }
+    assert!(!seen.lock().unwrap().contains(&true));
+    run.observe((|_: Time, _: &Event<'_>| {}).using(ReportInterest::Only(&["mine"])));
+    run_until(&mut run, |_| seen.lock().unwrap().last() == Some(&true));
+    run.stop();
 }
 
 #[test]

@@ -3,7 +3,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// Instances that cannot be determined
 ///
 /// An element with the key `for` stands for several: one for each value of a variable, which is substituted in its names and
-/// strings. The values are a range, a list of words, or a list of tables with the values of several variables.
+/// strings. The values are a range, a list of words, or a list of tables with the values of several variables. Properties in it, as in
+/// `"$r in 1..${properties.robots}"`, need values when the file is read: a default that does not depend on the environment, or for
+/// the outermost composite a value on the command line.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -120,7 +120,7 @@ fn is_in_name(it: char) -> bool {
 }
 
 /// The text of a value inside of a string; `None` if it has none.
-fn written(value: &Branch) -> Option<String> {
+pub(super) fn written(value: &Branch) -> Option<String> {
     match value {
         Branch::Text(text) => Some(text.clone()),
         Branch::Integer(number) => Some(number.to_string()),

@@ -8,11 +8,11 @@ use std::thread::JoinHandle;
 
 use asmotion_component::{CallError, CallId, Time};
 use asmotion_coordinator::{
-    FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT, VIOLATION_REPORT,
-    ViolationRecord,
+    BRIEF_STEP_REPORT, FAILED_STEP_REPORT, RECORDED_CYCLE_REPORT, RecordedCycle, STEP_REPORT,
+    VIOLATION_REPORT, ViolationRecord,
 };
 use asmotion_datum::{Datum, Sample, Schema};
-use asmotion_runtime::{Event, Observer};
+use asmotion_runtime::{Event, Observer, ReportInterest};
 use asmotion_viewer_encoding::{ChannelSchema, RosType};
 use serde_json::{Value, json};
 
@@ -190,7 +190,18 @@ struct RecordingObserver {
     calls: BTreeMap<(String, CallId), Time>,
 }
 
+/// Reports that say the same as the recorded cycle.
+const STEP_REPORTS: &[&str] = &[STEP_REPORT, BRIEF_STEP_REPORT, FAILED_STEP_REPORT];
+
 impl Observer for RecordingObserver {
+    fn reports(&self) -> ReportInterest {
+        if self.options.steps {
+            ReportInterest::Except(STEP_REPORTS)
+        } else {
+            ReportInterest::All
+        }
+    }
+
     fn observe(&mut self, at: Time, event: &Event<'_>) {
         match event {
             Event::Published {
@@ -220,8 +231,7 @@ impl Observer for RecordingObserver {
                 self.event(at, event);
             }
             // part of the recorded cycle
-            Event::Report { kind, .. }
-                if [STEP_REPORT, FAILED_STEP_REPORT].contains(kind) && self.options.steps => {}
+            Event::Report { kind, .. } if STEP_REPORTS.contains(kind) && self.options.steps => {}
             Event::Lost { count } => {
                 self.counts.messages.fetch_add(*count, Ordering::Relaxed);
                 self.event(at, event);

@@ -162,7 +162,7 @@ impl Effects for HeldEvents {
         self.0.push((at, OwnedEvent::of(event)));
     }
 
-    fn is_observed(&self) -> bool {
+    fn wants_report(&self, _: &str) -> bool {
         true
     }
 

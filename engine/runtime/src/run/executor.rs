@@ -17,13 +17,28 @@ use crate::component_unit::ComponentUnit;
 use crate::connections::ConnectionTable;
 use crate::descriptor::ComponentDescriptor;
 use crate::effects::Effects;
-use crate::event::Event;
+use crate::event::{Event, ReportInterest};
 use crate::handle::RunHandle;
 use crate::injection::{InjectionPorts, InjectionTarget};
 use crate::run_error::RunError;
 
-/// Inspects each event and returns whether it is the awaited one.
-pub(crate) type Watch<'a> = &'a mut dyn FnMut(Time, &Event<'_>) -> bool;
+/// Waits for an event.
+pub(crate) struct Watch<'a> {
+    /// The reports that `predicate` uses.
+    pub reports: ReportInterest,
+    /// Inspects each event and returns whether it is the awaited one.
+    pub predicate: &'a mut dyn FnMut(Time, &Event<'_>) -> bool,
+}
+
+impl Watch<'_> {
+    /// The same watch, for a part of its time.
+    pub(crate) fn reborrow(&mut self) -> Watch<'_> {
+        Watch {
+            reports: self.reports,
+            predicate: &mut *self.predicate,
+        }
+    }
+}
 
 /// A function to run on a component between two of its cycles.
 pub(crate) type Act = Box<dyn FnOnce(&mut ComponentUnit, Time, &mut dyn Effects) + Send>;

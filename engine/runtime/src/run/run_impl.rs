@@ -16,7 +16,7 @@ use super::Run;
 use super::asked::Asked;
 use super::call::SentCall;
 use super::change::{Change, ChangeError, ChangePlan};
-use super::executor::{Act, Executor, busy, connect_output};
+use super::executor::{Act, Executor, Watch, busy, connect_output};
 use super::reader::PortReader;
 use super::writer::PortWriter;
 use crate::build_error::BuildError;
@@ -24,7 +24,7 @@ use crate::component_end::{inputs, outputs, services};
 use crate::connections::open_error;
 use crate::descriptor::{ComponentDescriptor, CycleTime};
 use crate::effects::NoEffects;
-use crate::event::Event;
+use crate::event::{Event, ReportInterest};
 use crate::run_error::RunError;
 use crate::service::{CallKey, ReplyTo, ServiceRequest};
 
@@ -37,12 +37,14 @@ impl<E: Executor> Run for E {
         self.advance(until, None);
     }
 
-    fn run_until_event(
+    fn run_until_event_among(
         &mut self,
         limit: Time,
-        wanted: &mut dyn FnMut(Time, &Event<'_>) -> bool,
+        reports: ReportInterest,
+        predicate: &mut dyn FnMut(Time, &Event<'_>) -> bool,
     ) -> bool {
-        self.advance(limit, Some(wanted))
+        let watch = Watch { reports, predicate };
+        self.advance(limit, Some(watch))
     }
 
     fn inject_sample(
@@ -210,7 +212,11 @@ impl<E: Executor> Run for E {
                 SendStatus::NotReady => {
                     let mut answered =
                         |_: Time, event: &Event<'_>| matches!(event, Event::Answered { .. });
-                    self.advance(sent.deadline, Some(&mut answered));
+                    let watch = Watch {
+                        reports: ReportInterest::NONE,
+                        predicate: &mut answered,
+                    };
+                    self.advance(sent.deadline, Some(watch));
                 }
             }
         }

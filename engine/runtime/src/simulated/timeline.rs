@@ -11,7 +11,7 @@ use super::handle::SimulatedHandle;
 use super::queue::{DueQueue, DueWork};
 use crate::component_unit::ComponentUnit;
 use crate::effects::Effects;
-use crate::event::{Event, Observer};
+use crate::event::{Event, Observer, ReportInterest};
 use crate::handle::RunHandle;
 use crate::run::Watch;
 
@@ -23,7 +23,9 @@ const CYCLES_AN_INSTANT: u32 = 1000;
 pub(super) struct Timeline {
     pub now: Time,
     pub queue: DueQueue,
-    pub observers: Vec<Box<dyn Observer>>,
+    observers: Vec<Box<dyn Observer>>,
+    /// The reports that each observer uses.
+    interests: Vec<ReportInterest>,
     pub schedules: Vec<UnitSchedule>,
     /// The units that have cycled at the current instant, whose counts of cycles end with it.
     busy: Vec<usize>,
@@ -64,12 +66,15 @@ impl Effects for SimulatedEffects<'_, '_> {
             observer.observe(at, event);
         }
         if let Some(watch) = &mut self.watch {
-            self.seen |= watch(at, event);
+            self.seen |= (watch.predicate)(at, event);
         }
     }
 
-    fn is_observed(&self) -> bool {
-        !self.timeline.observers.is_empty() || self.watch.is_some()
+    fn wants_report(&self, kind: &str) -> bool {
+        let mut interests = self.timeline.interests.iter();
+        let watch = self.watch.as_ref();
+        interests.any(|reports| reports.includes(kind))
+            || watch.is_some_and(|watch| watch.reports.includes(kind))
     }
 
     fn trigger(&mut self, component: usize) {
@@ -102,6 +107,7 @@ impl Timeline {
         let mut timeline = Self {
             now: Time::ZERO,
             queue: DueQueue::default(),
+            interests: observers.iter().map(|it| it.reports()).collect(),
             observers,
             schedules: Vec::new(),
             busy: Vec::new(),
@@ -114,6 +120,12 @@ impl Timeline {
             timeline.add(unit);
         }
         timeline
+    }
+
+    /// Adds an observer, which receives all events from now on.
+    pub(super) fn observe(&mut self, observer: Box<dyn Observer>) {
+        self.interests.push(observer.reports());
+        self.observers.push(observer);
     }
 
     /// Adds the schedule of a new unit, whose position follows that of the last one.
