@@ -39,13 +39,13 @@ use asmotion_assembly::{Assembled, CoordinatorOptions, Standard, StartError};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::Programs;
-use asmotion_coordinator::RECORDED_CYCLE_REPORT;
+use asmotion_coordinator::{RECORDED_CYCLE_REPORT, STEP_REPORT};
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
 use asmotion_plan::{Implementation, Opened, Plan};
 use asmotion_remote::{CLOCK_REMEDY, ProcessContact};
-use asmotion_runtime::{Event, Observer, Pace, Run};
+use asmotion_runtime::{Event, Observer, Pace, ReportInterest, Run};
 
 use crate::bridges::Bridges;
 use crate::build::Build;
@@ -100,6 +100,9 @@ pub struct Mission {
     pub may_fail: Vec<String>,
     /// Recording of the run.
     pub recording: RecordingRequest,
+    /// Whether the receiver of events uses the story, and all steps as text (default: `true`). If not, and nobody else does, most steps come as
+    /// their numbers ([`BRIEF_STEP_REPORT`](asmotion_coordinator::BRIEF_STEP_REPORT)), which takes less time.
+    pub tells_steps: bool,
     /// Receives what the verification before the start finds, if the composite starts all the same; by default, it is printed as
     /// a warning on standard error.
     pub notice: fn(&str),
@@ -185,6 +188,7 @@ impl Mission {
             limit: Some(Duration::from_secs(600)),
             may_fail: Vec::new(),
             recording: RecordingRequest::default(),
+            tells_steps: true,
             notice: print_warning,
         }
     }
@@ -288,14 +292,22 @@ impl Mission {
             let set = system.set_property(id, property, value);
             set.map_err(|error| MissionError::Launch(error.to_string()))?;
         }
-        let story = Arc::new(Mutex::new(Story::of(plan, &part)));
+        let story = Story::of(plan, &part);
+        let story = if self.tells_steps {
+            story
+        } else {
+            story.silent()
+        };
+        let story = Arc::new(Mutex::new(story));
+        let reports = self.used_reports(&watch);
         let watch = Arc::new(Mutex::new(watch));
         let (listener, watcher) = (story.clone(), watch.clone());
-        system.observe(move |at: Time, event: &Event<'_>| {
+        let observer = move |at: Time, event: &Event<'_>| {
             let line = lock(&listener).report(at, event);
             on_event(at, event, line.as_deref());
             lock(&watcher).observe(at, event);
-        });
+        };
+        system.observe(observer.using(reports));
         bridges.observe(&mut system, plan);
         let connected = self.connect(plan, stop)?;
         // before the process is announced: it can be reconfigured from then on, and its files may change
@@ -512,9 +524,19 @@ impl Mission {
             if let Some(next) = director.next() {
                 until = until.min(next);
             }
-            run.run_until_event(until, &mut |at, event| {
+            // any report is notable, whatever it says
+            run.run_until_event_among(until, ReportInterest::NONE, &mut |at, event| {
                 is_notable(event) || director.is_due(at)
             });
+        }
+    }
+
+    /// The reports that the story and the end conditions use.
+    fn used_reports(&self, watch: &EndCondition) -> ReportInterest {
+        if self.tells_steps || watch.needs_all_steps() {
+            ReportInterest::All
+        } else {
+            ReportInterest::Except(&[STEP_REPORT])
         }
     }
 

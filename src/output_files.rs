@@ -80,6 +80,11 @@ impl OutputArguments {
         }
     }
 
+    /// Returns whether steps are written to a file other than MCAP.
+    pub fn traces_steps(&self) -> bool {
+        self.trace.is_some()
+    }
+
     /// Opens the requested files, other than MCAP.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use asmotion_component::{State, Time, Transition};
 use asmotion_plan::Plan;
 use asmotion_ros_gateway::{ComponentDesk, DeskChange, DeskComponent, DeskOrder};
-use asmotion_runtime::{Asked, Event, Run, RunError, System};
+use asmotion_runtime::{Asked, Event, Observer, ReportInterest, Run, RunError, System};
 
 /// Longest time until the observers of a run hear of a state that it has.
 const UNTIL_OBSERVED: Duration = Duration::from_secs(1);
@@ -41,7 +41,7 @@ impl RosDesk {
             return;
         }
         let desk = self.desk.clone();
-        system.observe(move |_: Time, event: &Event<'_>| {
+        let observer = move |_: Time, event: &Event<'_>| {
             if let Event::Property {
                 component,
                 property,
@@ -59,7 +59,8 @@ impl RosDesk {
             } else if let Event::Lost { .. } = event {
                 desk.forget();
             }
-        });
+        };
+        system.observe(observer.using(ReportInterest::NONE));
     }
 
     /// Reads all components again, because another version of the system runs.

@@ -42,6 +42,7 @@ mod pictures;
 mod processes;
 mod programs;
 mod programs_cpp;
+mod quiet;
 mod reconfigure;
 mod recording;
 mod repl;

@@ -34,7 +34,7 @@ use crate::supervisor::end_with;
 use crate::terminal::{TerminalOutput, never_wait, print_progress, print_result};
 use crate::transport::BrokerAccess;
 use dashboard::DashboardArguments;
-use report::{event_json, headline, print_summary, summary_json};
+use report::{event_json, headline, print_last_changes, print_summary, summary_json};
 #[cfg(feature = "tui")]
 use top::spectator;
 #[cfg(not(feature = "tui"))]
@@ -418,6 +418,9 @@ impl MissionArguments {
         if self.json {
             terminal.result(summary_json(&result));
         } else {
+            if self.prints_story() {
+                print_last_changes(&result, terminal);
+            }
             print_summary(&result, terminal);
         }
         match result.outcome {
@@ -456,6 +459,7 @@ impl MissionArguments {
 
     fn apply(&self, mission: &mut Mission) -> Result<(), String> {
         self.books.check()?;
+        mission.tells_steps = self.prints_story() || self.json || self.books.traces_steps();
         if let Some(seed) = self.seed {
             mission.seed = seed;
             mission.seeds_composite = true;
@@ -509,12 +513,17 @@ impl MissionArguments {
         Ok(())
     }
 
+    /// Whether events are printed as lines while the mission runs.
+    fn prints_story(&self) -> bool {
+        !self.quiet && !self.json && !self.top
+    }
+
     /// The listener for events: prints text or, for programs, JSON.
     fn listener(
         &self,
         output_files: Arc<Mutex<OutputFiles>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
-        let (tell, as_json) = (!self.quiet && !self.json && !self.top, self.json);
+        let (tell, as_json) = (self.prints_story(), self.json);
         move |at, event, line| {
             lock(&output_files).note(at, event);
             if let (true, Some(line)) = (tell, line) {

@@ -4,7 +4,9 @@ use super::error::MissionError;
 use super::outcome::MissionOutcome;
 use crate::files::DiskLoader;
 use asmotion_component::{State, Time};
-use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_coordinator::{
+    BRIEF_STEP_REPORT, CONTROL_STATES, STEP_REPORT, StepRecord, function_of,
+};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::AwaitedUpdate;
 use asmotion_plan::{Component, Implementation, Part, Plan};
@@ -125,6 +127,12 @@ impl EndCondition {
         self
     }
 
+    /// Returns whether a step can meet a condition that does not change a control state.
+    pub(super) fn needs_all_steps(&self) -> bool {
+        let mut all = self.until.iter().chain(&self.unless);
+        all.any(|it| !CONTROL_STATES.contains(&function_of(&it.location)))
+    }
+
     /// Returns whether the run can succeed before its time is up.
     pub(super) fn has_goal(&self) -> bool {
         !self.until.is_empty()
@@ -207,8 +215,12 @@ impl Observer for EndCondition {
                 component,
                 kind,
                 data: what,
-            } if *kind == STEP_REPORT => {
-                let Ok(step) = what.to::<StepRecord>() else {
+            } if [STEP_REPORT, BRIEF_STEP_REPORT].contains(kind) => {
+                if self.until.is_empty() && self.unless.is_empty() {
+                    return;
+                }
+                // a brief report that is a number says that no control state has changed
+                let Some(step) = StepRecord::of_report(what) else {
                     return;
                 };
                 let has = |ends: &[AwaitedUpdate]| {

@@ -236,6 +236,13 @@ fn driven(path: &DrivenPath) -> String {
     text
 }
 
+/// Prints the last changes that the story has only counted.
+pub(super) fn print_last_changes(end: &MissionEnd, terminal: &mut TerminalOutput) {
+    for line in &end.last_changes {
+        terminal.progress(line);
+    }
+}
+
 pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
     let summary = &end.summary;
     let style = match end.outcome {
@@ -245,9 +252,6 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
         MissionOutcome::TimeUp | MissionOutcome::Stopped => NOTE,
     };
     let seconds = end.time.as_secs_f64();
-    for line in &end.last_changes {
-        terminal.progress(line);
-    }
     terminal.progress("");
     terminal.result(format_args!(
         "{style}{}{style:#}{}",
