@@ -22,8 +22,10 @@ mod rovers;
 mod specifications;
 
 use std::process::Command;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use asmotion::mission::Mission;
 use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::Time;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms};
@@ -140,6 +142,22 @@ const ROWS: &[Row] = &[
         units: |size| 10 * size,
     },
     Row {
+        name: "quiet",
+        unit: "cycle of a coordinator in `asmotion run --quiet`",
+        sizes: [10, 100, 1_000, 10_000],
+        limit: 0.05,
+        work: |size, times| mission(size, times, false),
+        units: |size| 10 * size,
+    },
+    Row {
+        name: "story",
+        unit: "cycle of a coordinator in `asmotion run`",
+        sizes: [10, 100, 1_000, 10_000],
+        limit: 0.05,
+        work: |size, times| mission(size, times, true),
+        units: |size| 10 * size,
+    },
+    Row {
         name: "start",
         unit: "start of a coordinator, from the composite to the tenth cycle",
         sizes: [10, 30, 100, 300],
@@ -244,6 +262,24 @@ fn counted(size: u64, times: u64) {
     let observer = |_: Time, _: &Event<'_>| {};
     run.observe(observer.using(ReportInterest::Except(&[STEP_REPORT])));
     (0..times).for_each(|_| run.run_for(Duration::from_millis(1000)));
+}
+
+/// Runs a mission of so many coordinators for a second of their time after the first.
+fn mission(size: u64, times: u64, tells_steps: bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let composite = rovers::composite(usize::try_from(size).unwrap());
+    // messages of the standard build
+    let composite = composite.replace("bench/Flag", "std_msgs/Bool");
+    let composite = composite.replace("bench/Mode", "std_msgs/String");
+    std::fs::write(folder.path().join("rover.asm"), rovers::SPECIFICATION).unwrap();
+    let path = folder.path().join("fleet.composite.toml");
+    std::fs::write(&path, composite).unwrap();
+    let mut mission = Mission::new(path.to_string_lossy());
+    mission.limit = Some(Duration::from_secs(1 + times));
+    mission.tells_steps = tells_steps;
+    let ignored = |_: Time, _: &Event<'_>, _: Option<&str>| {};
+    let end = mission.run(|_, _| (), ignored, &AtomicBool::new(false));
+    assert!(end.unwrap().summary.steps >= 10 * size * times);
 }
 
 /// Starts so many coordinators, and runs each of them for ten cycles.

@@ -100,7 +100,7 @@ pub struct Mission {
     pub may_fail: Vec<String>,
     /// Recording of the run.
     pub recording: RecordingRequest,
-    /// Whether the receiver of events uses all steps as text (default: `true`). If not, and nobody else does, most steps come as
+    /// Whether the receiver of events uses the story, and all steps as text (default: `true`). If not, and nobody else does, most steps come as
     /// their numbers ([`BRIEF_STEP_REPORT`](asmotion_coordinator::BRIEF_STEP_REPORT)), which takes less time.
     pub tells_steps: bool,
     /// Receives what the verification before the start finds, if the composite starts all the same; by default, it is printed as
@@ -292,7 +292,13 @@ impl Mission {
             let set = system.set_property(id, property, value);
             set.map_err(|error| MissionError::Launch(error.to_string()))?;
         }
-        let story = Arc::new(Mutex::new(Story::of(plan, &part)));
+        let story = Story::of(plan, &part);
+        let story = if self.tells_steps {
+            story
+        } else {
+            story.silent()
+        };
+        let story = Arc::new(Mutex::new(story));
         let reports = self.used_reports(&watch);
         let watch = Arc::new(Mutex::new(watch));
         let (listener, watcher) = (story.clone(), watch.clone());

@@ -34,7 +34,8 @@ use asmotion_runtime::{
     ADDITION_REPORT, Event, REMOVAL_REPORT, REPLACEMENT_REPORT, WAITING_REPORT,
 };
 
-use self::input::StoryInput;
+use self::driven_path::DrivenPath;
+use self::input::{StoryInput, StoryInputs};
 use self::limit::StoryLimit;
 use self::losses::{LossPlace, OngoingLosses};
 use self::repeats::RepeatedEntries;
@@ -44,7 +45,9 @@ use crate::terminal::{BAD, FAINT, NAME, NOTE};
 #[derive(Debug, Default)]
 pub struct Story {
     /// The inputs of specifications, whose messages are reported.
-    inputs: Vec<StoryInput>,
+    inputs: StoryInputs,
+    /// Only the summary is wanted.
+    is_silent: bool,
     /// Messages on topics reach the components of this process by the bus as well.
     topics_return: bool,
     repeats: RepeatedEntries,
@@ -105,7 +108,7 @@ impl Story {
     /// Creates the story of the part of a plan that runs in this process and has not started yet.
     pub fn of(plan: &Plan, part: &Part) -> Self {
         Self {
-            inputs: input::of(plan),
+            inputs: StoryInputs::of(plan),
             topics_return: part.takes_the_bus_inside(),
             ids: ids(plan),
             limit: StoryLimit::of(plan),
@@ -113,14 +116,20 @@ impl Story {
         }
     }
 
+    /// The story without its lines: only the summary.
+    pub fn silent(self) -> Self {
+        Self {
+            is_silent: true,
+            ..self
+        }
+    }
+
     /// Tells the story of another version of the system from now on.
     pub fn follow(&mut self, plan: &Plan) {
         self.ids = ids(plan);
         self.limit = StoryLimit::of(plan);
-        let known = std::mem::replace(&mut self.inputs, input::of(plan));
-        for input in &mut self.inputs {
-            input.continue_from(&known);
-        }
+        let known = std::mem::replace(&mut self.inputs, StoryInputs::of(plan));
+        self.inputs.continue_from(&known);
         let is_present = |component: &str| plan.component(component).is_some();
         self.summary.retain_coordinators(is_present);
     }
@@ -133,7 +142,11 @@ impl Story {
     /// Handles an event. Returns the lines to print, which are usually none.
     pub fn report(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
         self.summary.end_time = Some(at);
-        let entry = self.entry(at, event).filter(|entry| match &entry.loss {
+        let entry = self.entry(at, event);
+        if self.is_silent {
+            return None;
+        }
+        let entry = entry.filter(|entry| match &entry.loss {
             Some(place) => self.losses.is_due(at, place.clone(), &entry.line),
             None => true,
         });
@@ -179,9 +192,9 @@ impl Story {
                 self.summary.observe_truth(component, port, *sample);
                 // what goes out by the bus is counted when it comes back
                 let topic = topic.filter(|_| !self.topics_return);
-                let is_reader = |input: &StoryInput| input.receives(component, port, topic);
-                self.set_goals(*sample, is_reader);
-                match self.inputs.iter_mut().find(|input| is_reader(input)) {
+                let readers = self.inputs.of_output(component, port, topic);
+                self.set_goals(*sample, &readers);
+                match readers.first().and_then(|it| self.inputs.get_mut(*it)) {
                     Some(input) => message_entry(input, &mut self.summary, component, *sample),
                     None => collision.or(moved),
                 }
@@ -191,9 +204,9 @@ impl Story {
                 source,
                 sample,
             } => {
-                let is_reader = |input: &StoryInput| input.is_port(place);
-                self.set_goals(*sample, is_reader);
-                let input = self.inputs.iter_mut().find(|input| is_reader(input))?;
+                let readers = self.inputs.of_place(place);
+                self.set_goals(*sample, &readers);
+                let input = self.inputs.get_mut(*readers.first()?)?;
                 message_entry(
                     input,
                     &mut self.summary,
@@ -286,10 +299,13 @@ impl Story {
 
     /// Sets the goal of each robot whose specification receives the message as an event, if it contains one. Robots can share
     /// a topic.
-    fn set_goals(&mut self, sample: &dyn Sample, is_reader: impl Fn(&StoryInput) -> bool) {
-        let inputs = self.inputs.iter();
-        for input in inputs.filter(|input| !input.is_state() && is_reader(input)) {
-            self.summary.set_goal(input.component(), sample);
+    fn set_goals(&mut self, sample: &dyn Sample, readers: &[usize]) {
+        let Some(goal) = DrivenPath::goal(sample) else {
+            return;
+        };
+        let readers = readers.iter().filter_map(|it| self.inputs.get(*it));
+        for input in readers.filter(|input| !input.is_state()) {
+            self.summary.robots.set_goal(input.component(), goal);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Explains why the time of a run was up: the state of each coordinator, and what it waits for.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use asmotion_coordinator::{CoordinatorStatus, LocationName, Source};
@@ -63,6 +64,7 @@ fn status(component: &Component, run: &mut dyn Run) -> Option<CoordinatorStatus>
 
 /// Describes the coordinators of a run whose time is up. A coordinator in a long cycle is left out.
 pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator> {
+    let mut specifications = SpecificationsRead::default();
     let describe = |component: &Component| {
         let Implementation::Asm { file, .. } = &component.implementation else {
             return None;
@@ -75,10 +77,22 @@ pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator>
                 .map(equation)
                 .or_else(|| status.control_states()),
             since_s: status.last_update.as_ref().map(|last| last.at_s),
-            reasons: reasons(plan, component, file, &status),
+            reasons: reasons(plan, component, specifications.get(file), &status),
         })
     };
     plan.components.iter().filter_map(describe).collect()
+}
+
+/// Specifications by file, each read once for all coordinators that run it; `None` if it cannot be read any more.
+#[derive(Default)]
+struct SpecificationsRead(BTreeMap<String, Option<Specification>>);
+
+impl SpecificationsRead {
+    fn get(&mut self, file: &str) -> Option<&Specification> {
+        // the file was read at the start of the run
+        let read = || asmotion_lang::open(file, &DiskLoader).ok();
+        self.0.entry(file.to_owned()).or_insert_with(read).as_ref()
+    }
 }
 
 fn equation((location, value): (&str, &str)) -> String {
@@ -88,7 +102,7 @@ fn equation((location, value): (&str, &str)) -> String {
 fn reasons(
     plan: &Plan,
     component: &Component,
-    file: &str,
+    specification: Option<&Specification>,
     status: &CoordinatorStatus,
 ) -> Vec<String> {
     if status.step == 0 {
@@ -98,7 +112,7 @@ fn reasons(
     let mut reasons: Vec<String> = calls
         .map(|call| format!("the call of `{call}` has no reply"))
         .collect();
-    reasons.extend(without_exit(file, status));
+    reasons.extend(specification.and_then(|it| without_exit(it, status)));
     let silent = status.silent.iter();
     let read = silent.filter(|function| status.read.contains_key(*function));
     reasons.extend(read.map(|function| no_message(plan, component, function)));
@@ -109,11 +123,9 @@ fn reasons(
 }
 
 /// The control state, if no rule leaves it.
-fn without_exit(file: &str, status: &CoordinatorStatus) -> Option<String> {
+fn without_exit(specification: &Specification, status: &CoordinatorStatus) -> Option<String> {
     let (location, value) = status.control_state()?;
-    // the file was read at the start of the run
-    let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
-    let exits = has_exit(&specification, location, value)?;
+    let exits = has_exit(specification, location, value)?;
     (!exits).then(|| format!("no rule leaves `{location} = {value}`"))
 }
 

@@ -39,9 +39,11 @@ impl DrivenPath {
 
     /// The position in a goal message; `None` for other messages.
     pub(super) fn goal(sample: &dyn Sample) -> Option<Point> {
+        if sample.type_name() != <PoseStamped as asmotion_datum::Message>::NAME {
+            return None;
+        }
         let goal = sample.to_shared().read::<PoseStamped>().ok()?;
-        let is_pose = sample.type_name() == <PoseStamped as asmotion_datum::Message>::NAME;
-        is_pose.then_some(goal.pose.position)
+        Some(goal.pose.position)
     }
 
     /// The true position in a message of a simulator; `None` for other messages.

@@ -1,8 +1,10 @@
 //! The inputs of specifications in a composite, and their messages worth reporting.
 
-use asmotion_coordinator::{Receive, Source};
+use std::collections::BTreeMap;
+
+use asmotion_coordinator::{Monitored, Receive, Source};
 use asmotion_datum::Sample;
-use asmotion_plan::{Component, End, Plan, Terminal};
+use asmotion_plan::{End, Plan, Terminal};
 
 use super::message;
 
@@ -13,9 +15,6 @@ pub(super) struct StoryInput {
     port: String,
     /// Displayed name: the topic or, without one, the port.
     pub(super) name: String,
-    topic: Option<String>,
-    /// Outputs that are connected directly: component, port.
-    writers: Vec<(String, String)>,
     /// The field that distinguishes messages, if there is one.
     field: Option<String>,
     receives: StoryTrigger,
@@ -30,63 +29,148 @@ enum StoryTrigger {
     State(Option<String>),
 }
 
-/// The inputs of all specifications; an input with several readers is listed once.
-pub(super) fn of(plan: &Plan) -> Vec<StoryInput> {
-    let mut inputs: Vec<StoryInput> = Vec::new();
-    for component in &plan.components {
-        let bound = component.binding.iter().flat_map(|it| &it.monitored);
-        for monitored in bound {
-            let Source::Port(port) = &monitored.from else {
-                continue;
-            };
-            let input = StoryInput {
-                field: monitored.map.clone(),
-                receives: match monitored.receive {
-                    Receive::Last => StoryTrigger::State(None),
-                    Receive::All | Receive::Edge => StoryTrigger::Events,
-                },
-                ..StoryInput::at(plan, component, port)
-            };
-            if !inputs.iter().any(|existing| existing.port == input.port) {
-                inputs.push(input);
+/// The inputs of all specifications, found by what they receive: a system can have thousands.
+#[derive(Debug, Default)]
+pub(super) struct StoryInputs {
+    /// An input with several readers is listed once.
+    all: Vec<StoryInput>,
+    /// Positions by full name.
+    by_port: BTreeMap<String, usize>,
+    /// Positions by topic, ascending.
+    by_topic: BTreeMap<String, Vec<usize>>,
+    /// Positions by the full name of an output that is connected directly, ascending.
+    by_writer: BTreeMap<String, Vec<usize>>,
+}
+
+/// Origins of the messages of inputs, by their ends.
+struct InputOrigins<'p> {
+    topics: BTreeMap<(&'p str, &'p str), &'p str>,
+    writers: BTreeMap<(&'p str, &'p str), Vec<&'p End>>,
+}
+
+impl<'p> InputOrigins<'p> {
+    fn of(plan: &'p Plan) -> Self {
+        let mut origins = Self {
+            topics: BTreeMap::new(),
+            writers: BTreeMap::new(),
+        };
+        for topic in &plan.topics {
+            for end in &topic.subscribers {
+                let key = (end.component.as_str(), end.name.as_str());
+                origins.topics.entry(key).or_insert(&topic.name);
+            }
+        }
+        for connection in &plan.connections {
+            if let (Terminal::Port(from), Terminal::Port(to)) = (&connection.from, &connection.to) {
+                let key = (to.component.as_str(), to.name.as_str());
+                origins.writers.entry(key).or_default().push(from);
+            }
+        }
+        origins
+    }
+}
+
+impl StoryInputs {
+    /// The inputs of a plan.
+    pub(super) fn of(plan: &Plan) -> Self {
+        let origins = InputOrigins::of(plan);
+        let mut inputs = Self::default();
+        for component in &plan.components {
+            let bound = component.binding.iter().flat_map(|it| &it.monitored);
+            for monitored in bound {
+                if let Source::Port(port) = &monitored.from {
+                    inputs.add(&component.name, port, monitored, &origins);
+                }
+            }
+        }
+        inputs
+    }
+
+    fn add(
+        &mut self,
+        component: &str,
+        port: &str,
+        monitored: &Monitored,
+        origins: &InputOrigins<'_>,
+    ) {
+        let full_name = format!("{component}.{port}");
+        if self.by_port.contains_key(&full_name) {
+            return;
+        }
+        let position = self.all.len();
+        let topic = origins.topics.get(&(component, port)).copied();
+        if let Some(topic) = topic {
+            let readers = self.by_topic.entry(topic.to_owned()).or_default();
+            readers.push(position);
+        }
+        for writer in origins
+            .writers
+            .get(&(component, port))
+            .into_iter()
+            .flatten()
+        {
+            let writer = format!("{}.{}", writer.component, writer.name);
+            self.by_writer.entry(writer).or_default().push(position);
+        }
+        self.by_port.insert(full_name.clone(), position);
+        self.all.push(StoryInput {
+            port: full_name,
+            name: topic.unwrap_or(port).to_owned(),
+            field: monitored.map.clone(),
+            receives: match monitored.receive {
+                Receive::Last => StoryTrigger::State(None),
+                Receive::All | Receive::Edge => StoryTrigger::Events,
+            },
+        });
+    }
+
+    /// Continues with the last reported messages of the same inputs of the previous version.
+    pub(super) fn continue_from(&mut self, known: &Self) {
+        for input in &mut self.all {
+            let known = known.by_port.get(&input.port).and_then(|it| known.get(*it));
+            if let (StoryTrigger::State(last), Some(StoryTrigger::State(reported))) =
+                (&mut input.receives, known.map(|it| &it.receives))
+            {
+                last.clone_from(reported);
             }
         }
     }
-    inputs
+
+    /// Positions of the inputs that are connected to this output, directly or through a topic, ascending.
+    pub(super) fn of_output(&self, component: &str, port: &str, topic: Option<&str>) -> Vec<usize> {
+        let on_topic = topic.and_then(|topic| self.by_topic.get(topic));
+        let mut found = on_topic.cloned().unwrap_or_default();
+        if !self.by_writer.is_empty()
+            && let Some(direct) = self.by_writer.get(&format!("{component}.{port}"))
+        {
+            found.extend(direct);
+            found.sort_unstable();
+            found.dedup();
+        }
+        found
+    }
+
+    /// Positions of the inputs with this full name or topic, ascending.
+    pub(super) fn of_place(&self, place: &str) -> Vec<usize> {
+        let mut found = self.by_topic.get(place).cloned().unwrap_or_default();
+        found.extend(self.by_port.get(place));
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// The input at this position.
+    pub(super) fn get(&self, position: usize) -> Option<&StoryInput> {
+        self.all.get(position)
+    }
+
+    /// The input at this position.
+    pub(super) fn get_mut(&mut self, position: usize) -> Option<&mut StoryInput> {
+        self.all.get_mut(position)
+    }
 }
 
 impl StoryInput {
-    /// Continues with the last reported message of the same input among those of the previous version.
-    pub(super) fn continue_from(&mut self, known: &[Self]) {
-        let known = known.iter().find(|known| known.port == self.port);
-        if let (StoryTrigger::State(last), Some(StoryTrigger::State(reported))) =
-            (&mut self.receives, known.map(|it| &it.receives))
-        {
-            last.clone_from(reported);
-        }
-    }
-
-    fn at(plan: &Plan, component: &Component, port: &str) -> Self {
-        let end = |end: &End| end.component == component.name && end.name == port;
-        let mut topics = plan.topics.iter();
-        let topic = topics.find(|topic| topic.subscribers.iter().any(end));
-        let topic = topic.map(|topic| topic.name.clone());
-        let joined = plan.connections.iter().filter_map(|it| {
-            let (Terminal::Port(from), Terminal::Port(to)) = (&it.from, &it.to) else {
-                return None;
-            };
-            end(to).then(|| (from.component.clone(), from.name.clone()))
-        });
-        Self {
-            port: format!("{}.{port}", component.name),
-            name: topic.clone().unwrap_or_else(|| port.to_owned()),
-            topic,
-            writers: joined.collect(),
-            field: None,
-            receives: StoryTrigger::Events,
-        }
-    }
-
     /// Name of the component.
     pub(super) fn component(&self) -> &str {
         self.port
@@ -97,17 +181,6 @@ impl StoryInput {
     /// Returns whether the messages are a state, of which only the newest is relevant.
     pub(super) fn is_state(&self) -> bool {
         matches!(self.receives, StoryTrigger::State(_))
-    }
-
-    /// Returns whether the input is connected to this output, directly or through a topic.
-    pub(super) fn receives(&self, component: &str, port: &str, topic: Option<&str>) -> bool {
-        let is = |(writer, output): &(String, String)| writer == component && output == port;
-        (topic.is_some() && self.topic.as_deref() == topic) || self.writers.iter().any(is)
-    }
-
-    /// Returns whether this is the input with the given name or topic.
-    pub(super) fn is_port(&self, port: &str) -> bool {
-        self.port == port || self.topic.as_deref() == Some(port)
     }
 
     /// The name and the content of a message, if it is worth reporting.

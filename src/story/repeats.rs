@@ -27,8 +27,14 @@ const FEW: u64 = 3;
 #[derive(Debug, Default)]
 pub(super) struct RepeatedEntries {
     last: BTreeMap<String, Time>,
+    /// Number of names after those that have not occurred recently were last forgotten.
+    kept: usize,
     /// What has been counted, in order of the first repetition.
     counts: Vec<CountedEntry>,
+    /// Positions in `counts` by name.
+    positions: BTreeMap<String, usize>,
+    /// Sum of `counts`.
+    total: u64,
     /// Start of counting; `None` if nothing has been counted.
     since: Option<Time>,
 }
@@ -46,23 +52,29 @@ impl RepeatedEntries {
     /// Returns whether an entry must be reported; otherwise it is counted, and its text kept if it is that of a change.
     pub(super) fn is_new(&mut self, at: Time, name: &str, change: Option<&str>) -> bool {
         let soon = self.happened_soon(at, name);
-        if self.last.len() >= MOST {
+        if self.last.len() >= MOST.max(2 * self.kept) {
             self.last.retain(|_, last| at.since(*last) < SOON);
+            self.kept = self.last.len();
         }
         self.last.insert(name.to_owned(), at);
         if soon {
             self.since.get_or_insert(at);
             let change = change.map(|line| (at, line.to_owned()));
-            match self.counts.iter_mut().find(|known| known.name == name) {
+            self.total += 1;
+            let known = self.positions.get(name);
+            match known.and_then(|position| self.counts.get_mut(*position)) {
                 Some(known) => {
                     known.count += 1;
                     known.change = change;
                 }
-                None => self.counts.push(CountedEntry {
-                    name: name.to_owned(),
-                    count: 1,
-                    change,
-                }),
+                None => {
+                    self.positions.insert(name.to_owned(), self.counts.len());
+                    self.counts.push(CountedEntry {
+                        name: name.to_owned(),
+                        count: 1,
+                        change,
+                    });
+                }
             }
         }
         !soon
@@ -75,15 +87,14 @@ impl RepeatedEntries {
             Some(name) => !self.happened_soon(at, name),
             None => true,
         });
-        let count: u64 = self.counts.iter().map(|it| it.count).sum();
-        let interrupted = interrupted && count >= FEW;
+        let interrupted = interrupted && self.total >= FEW;
         if !interrupted && at.since(since) < EVERY {
             return None;
         }
-        self.since = None;
-        let others = self.counts.len().saturating_sub(MOST_LISTED);
-        let counts = self.counts.drain(..).take(MOST_LISTED);
-        let mut counts: Vec<String> = counts
+        let counts = self.take_counts();
+        let others = counts.len().saturating_sub(MOST_LISTED);
+        let listed = counts.iter().take(MOST_LISTED);
+        let mut counts: Vec<String> = listed
             .map(|it| format!("{} ×{}", it.name, it.count))
             .collect();
         if others > 0 {
@@ -94,11 +105,18 @@ impl RepeatedEntries {
 
     /// The last changes among what has only been counted, in the order of their times. A run that ends would hide them.
     pub(super) fn last_changes(&mut self) -> Vec<(Time, String)> {
-        let counts = self.counts.drain(..);
+        let counts = self.take_counts().into_iter();
         let mut changes: Vec<(Time, String)> = counts.filter_map(|it| it.change).collect();
         changes.sort_by_key(|(at, _)| *at);
-        self.since = None;
         changes
+    }
+
+    /// Ends counting, and returns what has been counted.
+    fn take_counts(&mut self) -> Vec<CountedEntry> {
+        self.since = None;
+        self.total = 0;
+        self.positions.clear();
+        std::mem::take(&mut self.counts)
     }
 
     fn happened_soon(&self, at: Time, name: &str) -> bool {

@@ -164,13 +164,6 @@ impl Summary {
             self.robots.set_true_position(component, position);
         }
     }
-
-    /// Handles a message to the specification of a component, which may contain a goal.
-    pub(super) fn set_goal(&mut self, component: &str, sample: &dyn Sample) {
-        if let Some(goal) = DrivenPath::goal(sample) {
-            self.robots.set_goal(component, goal);
-        }
-    }
 }
 
 /// The value that all of the texts have; `None` if they differ or if there are none.
