@@ -202,5 +202,5 @@ fn random_versions_have_the_verdicts_and_runs_of_a_new_exploration() {
             explored += u32::from(!found.is_reused);
         }
     }
-    assert!(reused > 60 && explored > 60, "{reused} {explored}");
+    assert!(reused > 30 && explored > 60, "{reused} {explored}");
 }
