@@ -18,7 +18,7 @@ use asmotion_diagnostics::Finding;
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::{Machine, Report, Specification};
 use asmotion_symbolic::{
-    ModelSource, Reached, ReachedCounts, SearchLimit, SearchProgress, SymbolicError, SymbolicModel,
+    ModelSource, ReachedCounts, SearchLimit, SearchProgress, SymbolicError, SymbolicModel,
 };
 use judge::SymbolicJudge;
 use std::cell::{Cell, RefCell};
@@ -127,7 +127,7 @@ impl Symbolic<'_> {
             });
             again()
         };
-        let reached = match model.reach(limits, &mut searching) {
+        let mut reached = match model.reach(limits, &mut searching) {
             Ok(reached) => reached,
             Err(SymbolicError::Memory) => return Ok(self.nothing(Incomplete::Memory)),
             Err(SymbolicError::Stopped) => return Ok(self.nothing(Incomplete::Stopped)),
@@ -139,34 +139,22 @@ impl Symbolic<'_> {
                 ..self.nothing(Incomplete::Depth)
             });
         }
-        let judge = SymbolicJudge::new(self, model, &reached, again);
-        let properties = judge.verdicts()?;
+        // a transition led to each of the states that were found, if there is no time to count them
         let states = last.get().states;
-        self.found(model, &reached, judge.incomplete(), properties, states)
-    }
-
-    fn found(
-        &self,
-        model: &SymbolicModel<'_>,
-        reached: &Reached,
-        incomplete: Option<Incomplete>,
-        properties: Vec<CheckedProperty>,
-        found_states: u64,
-    ) -> Result<Found, Report> {
-        let counts = self.sufficed(model.counts(reached))?;
-        let has_paths = self.properties.needs_graph() && incomplete.is_none();
-        let ends = if has_paths {
-            self.sufficed(model.ends(reached))?
+        let uncounted = ReachedCounts {
+            states: Some(states),
+            transitions: Some(states),
+            excluded: Some(0),
+        };
+        let counts = self.sufficed(model.counts(&reached), &mut reached.limit)?;
+        let counts = counts.unwrap_or(uncounted);
+        let ends = if self.properties.needs_graph() && reached.limit.is_none() {
+            self.sufficed(model.ends(&reached), &mut reached.limit)?
         } else {
             None
         };
-        // a transition led to each of the states that were found, if there is no time to count them
-        let uncounted = ReachedCounts {
-            states: Some(found_states),
-            transitions: Some(found_states),
-            excluded: Some(0),
-        };
-        let counts = counts.unwrap_or(uncounted);
+        // what is said of all states is said only if all were found and counted
+        let properties = SymbolicJudge::new(self, model, &reached, again).verdicts()?;
         Ok(Found {
             properties,
             states: counts.states.unwrap_or(u64::MAX),
@@ -175,18 +163,25 @@ impl Symbolic<'_> {
             ends: ends.map_or(0, |count| count.unwrap_or(u64::MAX)),
             depth: (reached.rings.len() as u32).saturating_sub(1),
             memory: model.memory(),
-            incomplete,
+            incomplete: reached.limit.map(Incomplete::from),
             has_initial: true,
         })
     }
 
-    /// Returns a result unless the memory or the time was not sufficient for it.
-    fn sufficed<T>(&self, result: Result<T, SymbolicError>) -> Result<Option<T>, Report> {
-        match result {
-            Ok(result) => Ok(Some(result)),
-            Err(SymbolicError::Memory | SymbolicError::Stopped) => Ok(None),
-            Err(error) => Err(self.explain(error)),
-        }
+    /// Returns a result, or notes the limit if the memory or the time was not sufficient for it.
+    fn sufficed<T>(
+        &self,
+        result: Result<T, SymbolicError>,
+        limit: &mut Option<SearchLimit>,
+    ) -> Result<Option<T>, Report> {
+        let reason = match result {
+            Ok(result) => return Ok(Some(result)),
+            Err(SymbolicError::Memory) => SearchLimit::Memory,
+            Err(SymbolicError::Stopped) => SearchLimit::Stopped,
+            Err(error) => return Err(self.explain(error)),
+        };
+        limit.get_or_insert(reason);
+        Ok(None)
     }
 
     /// The result if nothing is known but the initial state.

@@ -15,6 +15,7 @@ mod corpus;
 mod counts;
 mod crossings;
 mod environments;
+mod extended;
 mod fairness;
 mod grounded;
 mod guard_rails;
@@ -42,6 +43,7 @@ mod symbolic_limits;
 mod symmetry;
 mod systems;
 mod threads;
+mod truncated;
 mod unbounded;
 
 use asmotion_lang::{MemoryFiles, Specification};

@@ -1,8 +1,12 @@
 //! Verification of one version after another: states are explored again only if more than properties has changed.
 
+use crate::naive::Random;
+use crate::storage::{ENOUGH, Limited};
+use crate::symbolic::formula;
 use crate::{open, verdicts, verified};
 use asmotion_verify::{
-    KeptExploration, Limits, Options, SystemSpecification, Verification, verify_again,
+    KeptExploration, Limits, Options, Storage, SystemSpecification, Verification, verify,
+    verify_again,
 };
 
 const CRANE: &str = "asm crane
@@ -135,4 +139,68 @@ fn an_exploration_that_ended_early_is_not_reused() {
         assert!(!again(CRANE, &options, &mut kept).is_reused);
     }
     assert_eq!(kept.explorations(), 2);
+}
+
+/// Random properties of all classes, some of which mention inputs.
+fn properties(random: &mut Random) -> String {
+    let mut lines = String::new();
+    for at in 0..1 + random.below(3) {
+        lines += &match (at + random.below(4)) % 4 {
+            0 => format!("  CTLSPEC {}\n", formula(random, 3, false)),
+            1 => format!("  LTLSPEC {}\n", formula(random, 3, true)),
+            2 => format!("  CTLSPEC ag({})\n", random.condition(2)),
+            _ => format!("  invariant over p: {}\n", random.condition(1)),
+        };
+    }
+    if random.below(4) == 0 {
+        lines += &format!("  JUSTICE {}\n", random.condition(1));
+    }
+    if random.below(6) == 0 {
+        lines += "  INVAR not (left and right)\n";
+    }
+    lines
+}
+
+#[test]
+fn random_versions_have_the_verdicts_and_runs_of_a_new_exploration() {
+    let seed = std::env::var("ASMOTION_NAIVE_SEED").ok();
+    let seed = seed.and_then(|it| it.parse().ok());
+    let mut random = Random(seed.unwrap_or(0x4e05_ed00_0000_0b01));
+    let (mut reused, mut explored) = (0, 0);
+    for round in 0..60 {
+        let mut kept = KeptExploration::default();
+        let mut text = random.specification();
+        let options = Options {
+            without_grounding: random.below(2) == 0,
+            storage: match round % 3 {
+                0 => Storage::Exact,
+                1 => Storage::Compact,
+                _ => Limited::of(ENOUGH),
+            },
+            threads: 1 + random.below(2) as usize,
+            ..Options::default()
+        };
+        for _ in 0..5 {
+            if random.below(5) == 0 {
+                text = random.specification();
+            }
+            let version = text
+                .replace(
+                    "import StandardLibrary\n",
+                    "import StandardLibrary\nimport CTLLibrary\nimport LTLLibrary\n",
+                )
+                .replace(
+                    "  main rule",
+                    &format!("{}  main rule", properties(&mut random)),
+                );
+            if verify(open(&version), &options, &mut |_| true).is_err() {
+                // the assumption excludes the initial state, or a formula is too large
+                continue;
+            }
+            let found = again(&version, &options, &mut kept);
+            reused += u32::from(found.is_reused);
+            explored += u32::from(!found.is_reused);
+        }
+    }
+    assert!(reused > 30 && explored > 60, "{reused} {explored}");
 }

@@ -73,7 +73,7 @@ fn compare(explicit: &Verification, symbolic: &Verification, text: &str) {
 }
 
 /// Adds a function for which conditions are short, and temporal properties.
-fn formula(random: &mut Random, depth: u32, is_linear: bool) -> String {
+pub fn formula(random: &mut Random, depth: u32, is_linear: bool) -> String {
     if depth == 0 || random.below(5) == 0 {
         return random.condition(1);
     }

@@ -26,7 +26,8 @@ pub(super) struct SymbolicJudge<'a> {
     model: &'a SymbolicModel<'a>,
     reached: &'a Reached,
     proceed: &'a dyn Fn() -> bool,
-    incomplete: Cell<Option<Incomplete>>,
+    /// The limit that was reached while properties were decided.
+    ended: Cell<Option<Incomplete>>,
     /// The properties checked with single states, for runs that violate temporal formulas.
     explored: OnceCell<Vec<CheckedProperty>>,
 }
@@ -43,14 +44,9 @@ impl<'a> SymbolicJudge<'a> {
             model,
             reached,
             proceed,
-            incomplete: Cell::new(reached.limit.map(Incomplete::from)),
+            ended: Cell::new(None),
             explored: OnceCell::new(),
         }
-    }
-
-    /// Returns the reason for which something is not known.
-    pub fn incomplete(&self) -> Option<Incomplete> {
-        self.incomplete.get()
     }
 
     /// Checks the properties that are wanted.
@@ -59,6 +55,9 @@ impl<'a> SymbolicJudge<'a> {
         for property in wanted(self.symbolic) {
             let mut notes = Vec::new();
             let verdict = self.known(self.property(property, &mut notes))?;
+            if verdict.is_none() {
+                notes.extend(self.undecided());
+            }
             checked.push(as_checked(
                 property,
                 verdict.unwrap_or(Verdict::Unknown),
@@ -68,11 +67,18 @@ impl<'a> SymbolicJudge<'a> {
         if self.symbolic.options.only.is_empty() {
             let properties = [self.faults(), self.stuck(), self.rules()];
             for (property, (kind, text)) in properties.into_iter().zip(GENERAL) {
-                let unknown = || general(kind, text, Verdict::Unknown, None);
-                checked.push(self.known(property)?.unwrap_or_else(unknown));
+                let known = self.known(property)?;
+                let unknown = || general(kind, text, Verdict::Unknown, self.undecided());
+                checked.push(known.unwrap_or_else(unknown));
             }
         }
         Ok(checked)
+    }
+
+    /// Returns the remark on a property that was not decided although all states are known.
+    fn undecided(&self) -> Option<Note> {
+        let ended = self.ended.get().filter(|_| self.is_complete());
+        ended.map(Note::Undecided)
     }
 
     /// Returns a result unless the memory or the time was not sufficient for it.
@@ -80,11 +86,11 @@ impl<'a> SymbolicJudge<'a> {
         match result {
             Ok(result) => Ok(Some(result)),
             Err(SymbolicError::Memory) => {
-                self.incomplete.set(Some(Incomplete::Memory));
+                self.ended.set(Some(Incomplete::Memory));
                 Ok(None)
             }
             Err(SymbolicError::Stopped) => {
-                self.incomplete.set(Some(Incomplete::Stopped));
+                self.ended.set(Some(Incomplete::Stopped));
                 Ok(None)
             }
             Err(error) => Err(self.symbolic.explain(error)),
