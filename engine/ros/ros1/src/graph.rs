@@ -66,7 +66,7 @@ impl RosGraph {
 }
 
 /// The pairs of `[[name, [node, …]], …]`.
-fn named_lists(of: &XmlRpcValue) -> Option<Vec<(String, Vec<String>)>> {
+pub(crate) fn named_lists(of: &XmlRpcValue) -> Option<Vec<(String, Vec<String>)>> {
     let pairs = of.as_array()?.iter().map(|pair| {
         let [name, nodes] = pair.as_array()? else {
             return None;

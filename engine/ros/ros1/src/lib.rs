@@ -18,6 +18,7 @@
 
 mod action;
 mod caller;
+mod circle;
 mod clock;
 mod context;
 mod error;

@@ -1,10 +1,14 @@
-//! Topics whose messages a node publishes on other topics, and nodes that relay in the other direction.
+//! Topics whose messages a node publishes on other topics, and nodes whose relays lead back.
 
 use crate::header::ConnectionHeader;
 use crate::names::{RosName, RosNameError};
+use crate::xmlrpc::XmlRpcValue;
 
 /// Field of a publisher's header: the topics whose messages it relays, separated by commas. No other client knows it.
 const FIELD: &str = "asmotion_relays";
+
+/// Method of a node's API: its relays. No other client knows it.
+pub(crate) const METHOD: &str = "asmotionRelays";
 
 /// The relays of a node.
 pub(crate) struct Relays(Vec<(RosName, RosName)>);
@@ -29,6 +33,26 @@ impl Relays {
             return header;
         }
         header.with(FIELD, relayed.join(","))
+    }
+
+    /// The topics to which this node relays a topic.
+    pub(crate) fn onward<'r>(&'r self, topic: &'r RosName) -> impl Iterator<Item = &'r str> {
+        let own = self.0.iter().filter(move |(from, _)| from == topic);
+        own.map(|(_, to)| to.as_str())
+    }
+
+    /// The relays for the node's API: `[[from, to], …]`.
+    pub(crate) fn as_value(&self) -> XmlRpcValue {
+        let pairs = self.0.iter().map(|(from, to)| {
+            let pair = [from, to].map(|it| XmlRpcValue::text(it.as_str()));
+            XmlRpcValue::Array(pair.to_vec())
+        });
+        XmlRpcValue::Array(pairs.collect())
+    }
+
+    /// The topics that the publisher of a header relays to its topic.
+    pub(crate) fn announced(header: &ConnectionHeader) -> impl Iterator<Item = &str> {
+        header.get(FIELD).into_iter().flat_map(|it| it.split(','))
     }
 
     /// Why messages of a publisher of this topic would go round; `None` if they do not.

@@ -16,6 +16,7 @@ use tokio::runtime::Handle;
 use crate::context::{Context, lock};
 use crate::http::read_body;
 use crate::notice::RosNotice;
+use crate::relays;
 use crate::tables::{Tables, entry};
 use crate::xmlrpc::{XmlRpcCall, XmlRpcValue, read_call, write_response};
 
@@ -120,6 +121,7 @@ impl Slave {
             "getBusStats" => Ok(self.bus_stats()),
             "getPublications" => Ok(self.publications()),
             "getSubscriptions" => Ok(self.subscriptions()),
+            relays::METHOD => Ok(self.context.relays.as_value()),
             "publisherUpdate" => self.publisher_update(parameters),
             "paramUpdate" => self.param_update(parameters),
             "requestTopic" => self.request_topic(parameters),

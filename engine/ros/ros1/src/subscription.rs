@@ -17,6 +17,7 @@ use tokio::task::AbortHandle;
 use tokio::task::coop::unconstrained;
 use tokio::time::{sleep, timeout};
 
+use crate::circle::longer_circle;
 use crate::context::{Context, MasterAnswer, lock};
 use crate::frame::{FrameError, read_frame, read_header};
 use crate::header::ConnectionHeader;
@@ -228,21 +229,15 @@ impl TopicSubscription {
         is_up: &AtomicBool,
     ) -> Result<(), Broken> {
         let (mut stream, header) = self.connect(context, uri).await?;
-        if let Some(reason) = context.relays.circle(&self.topic, &header) {
+        let circle = match context.relays.circle(&self.topic, &header) {
+            None => longer_circle(context, &self.topic, &header).await,
+            circle => circle,
+        };
+        if let Some(reason) = circle {
             return Err(Broken::Reason(reason));
         }
         let source: Arc<str> = header.get("callerid").unwrap_or("(unnamed)").into();
-        let of = match &self.of {
-            Some(of) => of.clone(),
-            None => {
-                let field = |name| header.get(name).unwrap_or_default();
-                TopicType::of_definition(
-                    field("type"),
-                    field("md5sum"),
-                    field("message_definition"),
-                )?
-            }
-        };
+        let of = self.type_of(&header)?;
         is_up.store(true, Ordering::Release);
         let mut envelope = Envelope {
             topic: self.topic.shared(),
@@ -292,6 +287,15 @@ impl TopicSubscription {
                 }
             }
         }
+    }
+
+    /// The type of the subscription, or that of a publisher.
+    fn type_of(&self, header: &ConnectionHeader) -> Result<TopicType, String> {
+        if let Some(of) = &self.of {
+            return Ok(of.clone());
+        }
+        let field = |name| header.get(name).unwrap_or_default();
+        TopicType::of_definition(field("type"), field("md5sum"), field("message_definition"))
     }
 
     /// Connects to a publisher, and exchanges headers.

@@ -14,6 +14,7 @@ mod clock;
 mod graph;
 mod master;
 mod parameters;
+mod relays;
 mod services;
 mod topics;
 mod xmlrpc;

@@ -20,6 +20,8 @@ pub struct Graph {
     /// Nodes of peers by participant.
     pub nodes: BTreeMap<Gid, Vec<RemoteNode>>,
     vendors: BTreeMap<[u8; 12], [u8; 2]>,
+    /// Counts the changes of `endpoints`.
+    revision: u64,
     /// For each endpoint of this node, the peers that match, and since when.
     matches: BTreeMap<Gid, BTreeMap<Gid, Instant>>,
     local: BTreeMap<Gid, Local>,
@@ -78,14 +80,20 @@ impl Graph {
         all.find(has).map(RemoteNode::full_name)
     }
 
-    /// Returns whether a participant has a writer of this topic of DDS.
-    pub(crate) fn is_written_by(&self, topic: &str, participant: [u8; 12]) -> bool {
-        let (mut first, mut last) = ([0; 16], [0xff; 16]);
-        for id in [&mut first, &mut last] {
-            id[..12].copy_from_slice(&participant);
-        }
-        let mut endpoints = self.endpoints.range(Gid(first)..=Gid(last));
-        endpoints.any(|(_, it)| it.kind == EndpointKind::Writer && it.topic == topic)
+    /// A number that differs from that of a graph with other endpoints.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// The topics of DDS that begin with this text and that peers write, with their participants.
+    pub(crate) fn written<'g>(
+        &'g self,
+        prefix: &'g str,
+    ) -> impl Iterator<Item = (&'g str, [u8; 12])> {
+        let writers = self.endpoints.iter();
+        let writers = writers.filter(|(_, it)| it.kind == EndpointKind::Writer);
+        let found = writers.filter(move |(_, it)| it.topic.starts_with(prefix));
+        found.map(|(gid, it)| (&*it.topic, gid.participant()))
     }
 
     /// The topics of DDS on which a participant matches endpoints of this node.
@@ -139,6 +147,7 @@ impl Graph {
             self.compare(&local, &endpoint);
         }
         self.endpoints.insert(gid, endpoint);
+        self.revision += 1;
     }
 
     /// Notices differences between an endpoint of this node and one of a peer, on the same topic.
@@ -182,6 +191,7 @@ impl Graph {
 
     fn lost(&mut self, is_lost: impl Fn(Gid) -> bool) {
         self.endpoints.retain(|gid, _| !is_lost(*gid));
+        self.revision += 1;
         for peers in self.matches.values_mut() {
             peers.retain(|gid, _| !is_lost(*gid));
         }

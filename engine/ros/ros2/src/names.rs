@@ -17,6 +17,8 @@ pub struct NameError {
 
 /// Longest name of a topic in DDS.
 const LONGEST: usize = 255;
+/// What the names of topics begin with in DDS.
+pub(crate) const TOPIC: &str = "rt";
 
 /// The name of a message type in DDS.
 pub(crate) fn message_type(of: &InterfaceName) -> String {
@@ -32,7 +34,7 @@ pub(crate) fn part_type(of: &InterfaceName, part: &str) -> String {
 
 /// The topic of DDS for a topic of ROS, which is absolute.
 pub(crate) fn topic(name: &str) -> String {
-    format!("rt{name}")
+    format!("{TOPIC}{name}")
 }
 
 /// The topics of DDS for requests and replies of a service, whose name is absolute.

@@ -147,11 +147,21 @@ impl Subscription {
         }
     }
 
-    /// Returns whether a participant has a publisher of this absolute topic of ROS.
-    pub fn is_written_by(&self, topic: &str, participant: [u8; 12]) -> bool {
-        let topic = names::topic(topic);
+    /// A number that changes whenever an endpoint of a peer is found or lost.
+    pub fn graph_revision(&self) -> u64 {
+        self.inner.graph.lock().revision()
+    }
+
+    /// The topics of ROS that peers publish and whose absolute names begin with this text, with the participants.
+    pub fn topics_of_peers(&self, prefix: &str) -> Vec<(String, [u8; 12])> {
+        let prefix = names::topic(prefix);
         let graph = self.inner.graph.lock();
-        graph.is_written_by(&topic, participant)
+        let found = graph.written(&prefix);
+        let of_ros = found.filter_map(|(topic, participant)| {
+            let topic = topic.strip_prefix(names::TOPIC)?;
+            Some((topic.to_owned(), participant))
+        });
+        of_ros.collect()
     }
 
     /// The name of the node, with its namespace, that has an endpoint; `None` if no peer has published it yet.
