@@ -31,6 +31,12 @@ fn nodes_and_topics_of_a_domain_are_listed_with_their_quality_of_service() {
         TopicPolicies::latched(1),
         0,
     );
+    map.advertise(
+        "/map/_action/status",
+        "std_msgs/Empty",
+        TopicPolicies::default(),
+        0,
+    );
     let (code, out, err) = ros(&["list", "--ros", "2"], domain);
     assert_eq!((code, &*err), (0, ""));
     let expected = "topic  type                        from                                     to
@@ -44,6 +50,9 @@ node
 /map_server
 ";
     assert_eq!(out, expected);
+    let (code, out, err) = ros(&["list", "--ros", "2", "--hidden"], domain);
+    assert_eq!((code, &*err), (0, ""));
+    assert!(out.contains("/map/_action/status"), "{out}");
     let domain_id = domain.to_string();
     let arguments = ["list", "--ros", "2", "--json", "--domain", &domain_id];
     let (code, out, _) = ros(&arguments, 0);
@@ -97,6 +106,12 @@ fn options_belong_to_a_generation_of_ros() {
     assert_eq!(code, 2);
     assert!(
         err.contains("`--domain` is an option of ROS 2, not of `--ros 1`"),
+        "{err}"
+    );
+    let (code, _, err) = ros(&["list", "--hidden"], 0);
+    assert_eq!(code, 2);
+    assert!(
+        err.contains("`--hidden` is an option of ROS 2, not of `--ros 1`"),
         "{err}"
     );
     let (code, _, err) = ros(&["list", "--ros", "2", "--domain", "233"], 0);

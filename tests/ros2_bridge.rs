@@ -161,6 +161,102 @@ fn r10_two_processes_that_relay_in_opposite_directions_do_not_storm() {
     }
 }
 
+#[test]
+fn r10_three_processes_that_relay_in_a_circle_do_not_storm_in_ros_2() {
+    let Some(python) = python() else { return };
+    let (place, domain) = (tempfile::tempdir().unwrap(), domain());
+    let relays = [
+        ("first", "/a", "b"),
+        ("second", "b", "/c"),
+        ("third", "/c", "/a"),
+    ];
+    let missions = relays.map(|(name, from, to)| relay(place.path(), name, from, to, domain));
+    let mut one = CycloneNode::start(&python, domain, "one");
+    let mut other = CycloneNode::start(&python, domain, "other");
+    let topics = ["/a", "/robot/b", "/c"];
+    for topic in topics {
+        other.subscribe(topic, TEXT, TopicPolicies::default());
+        one.advertise(topic, TEXT, TopicPolicies::default(), 2);
+        other.await_publishers(topic, 2);
+    }
+    for topic in topics {
+        one.publish(topic, &word(topic));
+    }
+    // each of the three says what it does not receive
+    for (mission, text) in missions.iter().zip([
+        "`/robot/third` relays `/c` to `/a`, and this node `/a` to `/robot/b`, from where they come through `/robot/b`, `/c`",
+        "`/robot/first` relays `/a` to `/robot/b`, and this node `/robot/b` to `/c`, from where they come through `/c`, `/a`",
+        "`/robot/second` relays `/robot/b` to `/c`, and this node `/c` to `/a`, from where they come through `/a`, `/robot/b`",
+    ]) {
+        let line = mission.line("messages would go round");
+        assert!(line.contains(text), "{line}");
+    }
+    for (topic, before) in [("/a", "/c"), ("/robot/b", "/a"), ("/c", "/robot/b")] {
+        let mut heard = [other.message(topic), other.message(topic)];
+        heard.sort_by_key(Value::to_string);
+        let mut expected = [word(topic), word(before)];
+        expected.sort_by_key(Value::to_string);
+        assert_eq!(heard, expected, "{topic}");
+    }
+    for topic in topics {
+        let more = other.try_message(topic, Duration::from_millis(300));
+        assert_eq!(more, None, "{topic}");
+    }
+}
+
+/// Its socket is full, its acknowledgements stop, and the memory of the bridge does not grow.
+#[test]
+fn r10_a_subscriber_of_ros_2_that_stops_reading_delays_no_other() {
+    let Some(python) = python() else { return };
+    let domain = domain();
+    let mission = mission("words", domain);
+    let mut fast = CycloneNode::start(&python, domain, "fast");
+    let mut slow = CycloneNode::start(&python, domain, "slow");
+    for peer in [&mut fast, &mut slow] {
+        peer.subscribe("/out", TEXT, TopicPolicies::default());
+        peer.await_publishers("/out", 1);
+    }
+    fast.advertise("/in", TEXT, TopicPolicies::default(), 1);
+    let long = "x".repeat(100_000);
+    let pass = |fast: &mut CycloneNode, number: usize| {
+        let text = word(&format!("{number} {long}"));
+        fast.publish("/in", &text);
+        // the word before, if this one has not arrived yet, is an error: each comes once and in order
+        assert!(fast.message("/out") == text, "{number}");
+    };
+    for number in 0..20 {
+        pass(&mut fast, number);
+        assert_eq!(slow.message("/out"), word(&format!("{number} {long}")));
+    }
+    let before = mission.resident();
+    slow.pause();
+    for number in 20..420 {
+        pass(&mut fast, number);
+    }
+    let after = mission.resident();
+    assert!(after < before + 16_000, "{before} kB, then {after} kB");
+    let line = mission.line("no longer answers");
+    assert!(
+        line.contains("`/slow`") && line.contains("`/out`"),
+        "{line}"
+    );
+    slow.go_on();
+    let until = Instant::now() + LONG;
+    let mut number = 420;
+    let hears_a_new_one = |slow: &mut CycloneNode, number: usize| {
+        let heard = slow.try_message("/out", Duration::from_millis(200));
+        heard.is_some_and(|it| it == word(&format!("{number} {long}")))
+    };
+    loop {
+        pass(&mut fast, number);
+        if hears_a_new_one(&mut slow, number) {
+            break;
+        }
+        assert!(Instant::now() < until, "it is not heard again");
+        number += 1;
+    }
+}
+
 /// The emergency stop with another bridge, in a folder of its own.
 fn estop_with(folder: &Path, bridge: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -485,6 +581,39 @@ fn r5_a_message_goes_from_ros_1_to_ros_2_and_between_domains() {
         right.try_message("/cmd_vel", Duration::from_millis(200)),
         None
     );
+}
+
+#[test]
+fn clocks_of_both_generations_pass() {
+    let (Some(python), Some(master)) = (python(), Master::start()) else {
+        return;
+    };
+    let (of, domain) = ("rosgraph_msgs/Clock", domain());
+    let mut command = run(&composite("clocks"), domain);
+    command.env("ROS_MASTER_URI", master.uri());
+    let mission = Mission::spawn(command);
+    let mut awaited = vec!["joined the ROS 2 domain", "registered at the ROS master"];
+    while !awaited.is_empty() {
+        let line = mission.line("notice");
+        awaited.retain(|text| !line.contains(text));
+    }
+    let mut old = master.rospy("/gazebo");
+    old.subscribe("/new/clock", of);
+    old.obey(json!(["connections", "/new/clock", 1]));
+    old.advertise("/clock", of, 1);
+    let mut new = CycloneNode::start(&python, domain, "gz");
+    new.subscribe("/old/clock", of, TopicPolicies::default());
+    new.await_publishers("/old/clock", 1);
+    new.advertise("/clock", of, TopicPolicies::best_effort(), 1);
+    // forwards, and back: a simulator was reset
+    for (seconds, nanoseconds) in [(1u32, 500_000_000u32), (3, 1), (2, 0)] {
+        let in_old = json!({ "clock": { "secs": seconds, "nsecs": nanoseconds } });
+        let in_new = json!({ "clock": { "sec": seconds, "nanosec": nanoseconds } });
+        old.publish("/clock", of, in_old.clone());
+        assert_eq!(new.message("/old/clock"), in_new);
+        new.publish("/clock", &in_new);
+        assert_eq!(old.message("/new/clock").0, in_old);
+    }
 }
 
 #[test]

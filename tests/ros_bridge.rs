@@ -82,6 +82,14 @@ impl Mission {
         assert!(sent.unwrap().success());
     }
 
+    /// Memory of the process, in kB.
+    pub(crate) fn resident(&self) -> u64 {
+        let status = format!("/proc/{}/status", self.child.id());
+        let status = std::fs::read_to_string(status).unwrap();
+        let line = status.lines().find(|it| it.starts_with("VmRSS:")).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    }
+
     /// Waits for its end.
     pub(crate) fn end(mut self) {
         self.child.wait().unwrap();
@@ -324,6 +332,59 @@ fn r10_two_processes_that_relay_in_opposite_directions_do_not_storm() {
     );
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!((other.waiting("/a"), other.waiting("/b")), (0, 0));
+}
+
+#[test]
+fn r10_three_processes_that_relay_in_a_circle_do_not_storm() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let place = tempfile::tempdir().unwrap();
+    let (mut one, mut other) = (master.rospy("/one"), master.rospy("/other"));
+    let relays = [
+        ("first", "/a", "/b"),
+        ("second", "/b", "/c"),
+        ("third", "/c", "/a"),
+    ];
+    let [first, second, third] =
+        relays.map(|(name, from, to)| relay(place.path(), name, from, to, &master));
+    // the last one closes the circle; the first one learns it when the third publishes
+    for (mission, text) in [
+        (
+            &third,
+            "`/second_RosBridge` relays `/b` to `/c`, and this node `/c` to `/a`, from where they come through `/a`, `/b`",
+        ),
+        (
+            &first,
+            "`/third_RosBridge` relays `/c` to `/a`, and this node `/a` to `/b`, from where they come through `/b`, `/c`",
+        ),
+    ] {
+        let line = mission.line("messages would go round");
+        assert!(line.contains(text), "{line}");
+    }
+    one.advertise("/a", TEXT, 1);
+    for (topic, publishers) in [("/a", 2), ("/b", 1), ("/c", 1)] {
+        other.subscribe(topic, TEXT);
+        other.obey(json!(["connections", topic, publishers]));
+    }
+    // of the listener and of the first bridge
+    one.obey(json!(["connections", "/a", 2]));
+    for text in ["word", "again"] {
+        one.publish("/a", TEXT, json!({"data": text}));
+        for (topic, publisher) in [
+            ("/a", "/one"),
+            ("/b", "/first_RosBridge"),
+            ("/c", "/second_RosBridge"),
+        ] {
+            let heard = other.message(topic);
+            assert_eq!(heard, (json!({"data": text}), publisher.to_owned()));
+        }
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    for topic in ["/a", "/b", "/c"] {
+        assert_eq!(other.waiting(topic), 0, "{topic}");
+    }
+    drop(second);
 }
 
 #[test]

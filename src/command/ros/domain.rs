@@ -34,9 +34,11 @@ impl DomainArguments {
         generation: Generation,
         master: &MasterArguments,
         definitions: &[PathBuf],
+        hidden: bool,
     ) -> Result<(), GenerationError> {
         let foreign = match generation {
             Generation::One if !definitions.is_empty() => Some(("--definitions", 2, 1)),
+            Generation::One if hidden => Some(("--hidden", 2, 1)),
             Generation::One => self.domain.map(|_| ("--domain", 2, 1)),
             Generation::Two => master.given().map(|option| (option, 1, 2)),
         };

@@ -47,7 +47,7 @@ impl RosEcho {
     /// Prints each message on a line. Receiving none is a finding; a master that does not answer is a usage error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
         let folders = &self.definitions;
-        if let Err(error) = self.domain.check(self.ros, &self.master, folders) {
+        if let Err(error) = self.domain.check(self.ros, &self.master, folders, false) {
             terminal.error(error);
             return Exit::Usage;
         }

@@ -19,7 +19,7 @@ pub(super) mod ros2_list {
     pub(in super::super) fn run(
         _: &DomainArguments,
         _: Duration,
-        _: bool,
+        _: (bool, bool),
         terminal: &mut TerminalOutput,
     ) -> Exit {
         explain(terminal)

@@ -27,6 +27,11 @@ pub struct RosList {
     #[arg(long = "for", value_name = "SECONDS", default_value_t = 2)]
     limit: u64,
 
+    /// ROS 2: also nodes, topics and services with a name that has a part with an underscore at its beginning, such as the
+    /// topics of actions
+    #[arg(long)]
+    hidden: bool,
+
     /// Prints a JSON object
     #[arg(long)]
     json: bool,
@@ -35,13 +40,13 @@ pub struct RosList {
 impl RosList {
     /// Prints nodes, topics and services. A master that does not answer is a usage error.
     pub fn run(self, terminal: &mut TerminalOutput) -> Exit {
-        if let Err(error) = self.domain.check(self.ros, &self.master, &[]) {
+        if let Err(error) = self.domain.check(self.ros, &self.master, &[], self.hidden) {
             terminal.error(error);
             return Exit::Usage;
         }
         if self.ros == Generation::Two {
             let time = std::time::Duration::from_secs(self.limit);
-            return super::ros2_list::run(&self.domain, time, self.json, terminal);
+            return super::ros2_list::run(&self.domain, time, (self.hidden, self.json), terminal);
         }
         let graph = match self.master.node() {
             Ok(node) => node.graph(),

@@ -15,7 +15,7 @@ use crate::terminal::TerminalOutput;
 pub(super) fn run(
     domain: &DomainArguments,
     time: Duration,
-    is_json: bool,
+    (with_hidden, is_json): (bool, bool),
     terminal: &mut TerminalOutput,
 ) -> Exit {
     let node = match domain.node(&[]) {
@@ -26,7 +26,10 @@ pub(super) fn run(
         }
     };
     std::thread::sleep(time);
-    let listed = Listed::of(&node.graph());
+    let mut listed = Listed::of(&node.graph());
+    if !with_hidden {
+        listed.leave_hidden_out();
+    }
     if is_json {
         terminal.result(listed.as_json());
     } else {
@@ -75,6 +78,15 @@ impl Listed {
             nodes: nodes.map(RemoteNode::full_name).collect(),
             topics,
             services,
+        }
+    }
+
+    /// Leaves out what the tools of ROS hide, such as the topics of actions.
+    fn leave_hidden_out(&mut self) {
+        let is_shown = |name: &str| !name.split('/').any(|part| part.starts_with('_'));
+        self.nodes.retain(|name| is_shown(name));
+        for ends in [&mut self.topics, &mut self.services] {
+            ends.retain(|(name, _), _| is_shown(name));
         }
     }
 
