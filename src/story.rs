@@ -34,7 +34,6 @@ use asmotion_runtime::{
     ADDITION_REPORT, Event, REMOVAL_REPORT, REPLACEMENT_REPORT, WAITING_REPORT,
 };
 
-use self::driven_path::DrivenPath;
 use self::input::{StoryInput, StoryInputs};
 use self::limit::StoryLimit;
 use self::losses::{LossPlace, OngoingLosses};
