@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use asmotion_assembly::reconfigure::{Clients, Version, changes};
-use asmotion_bus::{Bus, BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
+use asmotion_bus::{BusError, IncomingCall, Notifier, Payload, Refusal, ServedAddress};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Loader, Style, render_all};
 use asmotion_network::{RobotService, RunningNetwork};
