@@ -1,4 +1,4 @@
-//! Much that waits or has happened: a log of a hundred thousand entries, and full queues.
+//! Much that waits or has happened: a log of nearly a hundred thousand entries, and full queues.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -89,7 +89,7 @@ fn add(tab: &mut Tab, from: u32, count: u32) {
 }
 
 #[test]
-fn a_log_of_a_hundred_thousand_entries_has_the_rows_that_can_be_seen() {
+fn a_long_log_has_the_rows_that_can_be_seen() {
     let Some(browser) = Browser::start() else {
         return;
     };
@@ -98,9 +98,10 @@ fn a_log_of_a_hundred_thousand_entries_has_the_rows_that_can_be_seen() {
     let mut tab = browser.open(&mission.url, WIDE, "light");
     tab.wait("asmotion.store.components.length");
     show(&mut tab, "logs");
-    add(&mut tab, 0, 100_000);
-    tab.wait("parseInt(document.querySelector('.log-panel .head .faint').textContent) >= 100000");
-    tab.wait("document.querySelector('.log').scrollHeight > 2e6");
+    // fewer than the limit on rows, beyond which the oldest ones go, because the mission itself adds some
+    add(&mut tab, 0, 95_000);
+    tab.wait("parseInt(document.querySelector('.log-panel .head .faint').textContent) >= 95000");
+    tab.wait("document.querySelector('.log').scrollHeight > 1.9e6");
     let rows = "document.querySelectorAll('.log .row').length";
     let few = |tab: &mut Tab| {
         let rows = tab.eval(rows).as_u64().unwrap();
@@ -124,7 +125,7 @@ fn a_log_of_a_hundred_thousand_entries_has_the_rows_that_can_be_seen() {
     // new entries do not make it slow
     let share = tab.main_thread_share(Duration::from_secs(3));
     println!(
-        "log of 100,000 entries: {:.1} % of the main thread",
+        "log of 95,000 entries: {:.1} % of the main thread",
         share * 100.0
     );
     assert!(share < 0.5, "{share}");
