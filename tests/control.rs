@@ -265,7 +265,10 @@ fn commands_of_tools_are_in_the_recording_and_in_the_dashboard() {
         "{told:?}"
     );
     // questions are no commands
-    assert!(told.iter().all(|it| !it.contains("ask")), "{told:?}");
+    assert!(
+        told.iter().all(|it| it.contains("set TrajectoryFollower")),
+        "{told:?}"
+    );
     let (is_equal, out) = replay(&file, &[]);
     assert!(is_equal, "{out}");
 }

@@ -417,33 +417,40 @@ fn test_targets_are_built_exactly_where_there_are_tests() {
     };
     let mut wrong = Vec::new();
     for package in &workspace().packages {
-        let folder = package.manifest_path.parent().expect("a folder");
-        for target in package
-            .targets
-            .iter()
-            .filter(|it| it.is_lib() || it.is_proc_macro() || it.is_bin())
-        {
-            let sources = folder.join("src");
+        let targets = package.targets.iter();
+        let mains: Vec<_> = targets
+            .clone()
+            .filter(|it| it.is_bin())
+            .map(|it| &it.src_path)
+            .collect();
+        for target in targets.filter(|it| it.is_lib() || it.is_proc_macro() || it.is_bin()) {
+            let sources = package.manifest_path.with_file_name("src");
             let texts = checkout.files.iter().filter(|file| {
                 let path = checkout.root.join(&file.path);
-                path.starts_with(&sources) && (path == target.src_path) == target.is_bin()
+                let of_bin = mains.iter().any(|it| **it == path);
+                path.starts_with(&sources)
+                    && if target.is_bin() {
+                        target.src_path == path
+                    } else {
+                        !of_bin
+                    }
             });
             let texts: Vec<&str> = texts.map(|file| &*file.text).collect();
             let has_tests = texts
                 .iter()
                 .any(|text| MARKS.iter().any(|mark| text.contains(mark)));
-            let has_examples = texts.iter().any(|text| text.lines().any(is_fence));
-            if target.test != has_tests {
-                wrong.push(format!(
-                    "{}: `test = {has_tests}` for `{}`",
-                    package.manifest_path, target.name
-                ));
-            }
-            if !target.is_bin() && target.doctest != has_examples {
-                wrong.push(format!(
-                    "{}: `doctest = {has_examples}` for `{}`",
-                    package.manifest_path, target.name
-                ));
+            let has_examples =
+                !target.is_bin() && texts.iter().any(|text| text.lines().any(is_fence));
+            for (key, is, wanted) in [
+                ("test", target.test, has_tests),
+                ("doctest", target.doctest, has_examples),
+            ] {
+                if is != wanted {
+                    wrong.push(format!(
+                        "{}: `{key} = {wanted}` for `{}`",
+                        package.manifest_path, target.name
+                    ));
+                }
             }
         }
     }

@@ -1,9 +1,11 @@
 //! The control states of a machine, as far as observers of brief reports follow them.
 
-use crate::status::CONTROL_STATES;
 use asmotion_lang::ir::Slot;
 use asmotion_lang::machine::{Machine, Step};
 use std::collections::BTreeSet;
+
+/// Usual names of functions that contain a control state.
+pub const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
 
 /// The locations with a control state that steps have written while only brief reports were used.
 ///

@@ -41,6 +41,7 @@ pub use binding::{
     Action, Argument, Binding, BoundOperation, Call, Case, Constant, Effect, Interfaces, Monitored,
     Out, PublishWhen, Published, Receive, Source,
 };
+pub use control_locations::CONTROL_STATES;
 pub use coordinator::{Coordinator, LOSSES_REPORT};
 pub use effects::{UNFIT_REPORT, UNSENT_REPORT};
 pub use last_write::LastUpdate;
@@ -51,7 +52,7 @@ pub use recorded::{
     ChoiceRecord, CycleCauses, MachineBegin, MachineOrigin, RECORDED_CYCLE_REPORT, ReadLocation,
     RecordedCycle, ReplacedStep, SourceRecord,
 };
-pub use status::{CONTROL_STATES, CoordinatorStatus, function_of};
+pub use status::{CoordinatorStatus, function_of};
 pub use step::{BRIEF_STEP_REPORT, FAILED_STEP_REPORT, STEP_REPORT, StepRecord, UpdateRecord};
 pub use violation::{ConditionRecord, VIOLATION_REPORT, ViolationReaction, ViolationRecord};
 pub use watch::{GivenProperty, Watch};

@@ -1,5 +1,6 @@
 //! The state of a coordinator as text, for observers.
 
+use crate::control_locations::CONTROL_STATES;
 use crate::coordinator::Coordinator;
 use crate::inputs::{BoundInput, InputLocation};
 use crate::last_write::LastUpdate;
@@ -9,9 +10,6 @@ use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Usual names of functions that contain a control state.
-pub const CONTROL_STATES: &[&str] = &["mode", "ctl_state", "ctlState", "state"];
 
 /// Number of locations of a function from which only their values are counted.
 const MAX_LOCATIONS: usize = 16;

@@ -22,8 +22,7 @@ use asmotion_bus::{Bus, LocalBus, Notifier, Payload, Refusal};
 use asmotion_component::Time;
 use asmotion_datum::{Datum, Sample};
 use asmotion_monitor::{
-    BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus,
-    SystemDescription,
+    BusLink, Dashboard, DashboardSettings, Feed, MonitorSource, OrderBus, SystemDescription,
 };
 use asmotion_runtime::{Event, Observer};
 use serde_json::{Value, json};
