@@ -554,15 +554,15 @@ impl<'a> Emitter<'a> {
     /// Returns a truth value or atom with 64 bits. A constant is one again, which needs no register to be stored.
     fn extended(&mut self, value: Ssa) -> Ssa {
         let dfg = &self.builder.func.dfg;
-        let constant = match dfg.value_def(value) {
-            clif::ValueDef::Result(instruction, _) => match dfg.insts[instruction] {
-                clif::InstructionData::UnaryImm {
-                    opcode: clif::Opcode::Iconst,
-                    imm,
-                } => Some(imm.bits()),
-                _ => None,
-            },
-            _ => None,
+        let constant = if let clif::ValueDef::Result(instruction, _) = dfg.value_def(value)
+            && let clif::InstructionData::UnaryImm {
+                opcode: clif::Opcode::Iconst,
+                imm,
+            } = dfg.insts[instruction]
+        {
+            Some(imm.bits())
+        } else {
+            None
         };
         match (constant, dfg.value_type(value)) {
             (Some(bits), I8) => self.number(I64, bits & 0xff),
