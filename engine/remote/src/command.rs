@@ -97,10 +97,6 @@ impl CommandRecord {
 
 impl TabLogin {
     /// Returns whether the tab has not proved that it knows the token.
-    #[expect(
-        clippy::trivially_copy_pass_by_ref,
-        reason = "serde passes fields by reference"
-    )]
     pub fn is_none(&self) -> bool {
         *self == Self::None
     }
