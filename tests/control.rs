@@ -48,15 +48,13 @@ fn moment(tab: &mut LiveTab, t: f64) -> Value {
 
 /// The messages of a channel.
 fn messages(file: &Path, wanted: &str) -> Vec<(f64, Value)> {
-    let items = RunReader::open(file)
-        .unwrap()
-        .filter_map(|item| match item {
-            RecordingItem::Message { channel, at, data } if channel == wanted => Some((
-                at.seconds(),
-                serde_json::from_str(&data.json().unwrap()).unwrap(),
-            )),
-            _ => None,
-        });
+    let items = RunReader::open(file).unwrap().filter_map(|item| {
+        let RecordingItem::Message { channel, at, data } = item else {
+            return None;
+        };
+        let message = || serde_json::from_str(&data.json().unwrap()).unwrap();
+        (channel == wanted).then(|| (at.seconds(), message()))
+    });
     items.collect()
 }
 
@@ -192,14 +190,12 @@ fn a_refused_command_changes_no_hash_of_a_step() {
         }
         tab.until("the end", |it| it["end"].is_string());
         run.wait();
-        let ends = RunReader::open(&file)
-            .unwrap()
-            .filter_map(|item| match item {
-                RecordingItem::End(end) => {
-                    Some(end.coordinators["ASMCoordinator"].last_hash.clone())
-                }
-                _ => None,
-            });
+        let ends = RunReader::open(&file).unwrap().filter_map(|item| {
+            let RecordingItem::End(end) = item else {
+                return None;
+            };
+            Some(end.coordinators["ASMCoordinator"].last_hash.clone())
+        });
         let count = messages(&file, "commands").len();
         assert_eq!(count, usize::from(asks));
         ends.last().unwrap()

@@ -306,7 +306,12 @@ fn a_composite_records_its_runs() {
     let content = read(&python, file);
     let channels = content["counts"].as_object().unwrap().keys();
     let channels: Vec<_> = channels.map(String::as_str).collect();
-    assert_eq!(channels, ["events", "topic/goal"], "{}", content["counts"]);
+    assert_eq!(
+        channels,
+        ["events", "queues", "topic/goal"],
+        "{}",
+        content["counts"]
+    );
     // a topic that does not exist
     let path = recorded(folder.path(), "topics = [\"gaol\"]");
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));

@@ -156,10 +156,7 @@ fn c18_a_running_process_is_wired_to_another_robot_and_to_a_system_over_http() {
     let untrusted = wire("http", "https://localhost:1/adding").replace("timeout_ms", key);
     let (code, said) = station.becomes(&untrusted);
     assert_eq!(code, Some(1), "{said}");
-    assert!(
-        said.contains("`Asker.sums` cannot be joined") && said.contains("none.pem"),
-        "{said}"
-    );
+    assert!(said.contains("none.pem"), "{said}");
     station.is_in("ANSWERED", &robot, &["no changes"]);
     assert!(process.interrupt().status.success());
     drop(arm);

@@ -82,6 +82,11 @@ impl ProgramConnection {
         self.is_closed
     }
 
+    /// Returns whether the program has requested a cycle since the last call of [`take_wake`](Self::take_wake).
+    pub(crate) fn has_woken(&self) -> bool {
+        self.has_woken
+    }
+
     /// Returns whether the program has requested a cycle since the last call.
     pub(crate) fn take_wake(&mut self) -> bool {
         std::mem::take(&mut self.has_woken)

@@ -34,15 +34,21 @@ pub(crate) fn lock(connection: &Mutex<ProgramConnection>) -> MutexGuard<'_, Prog
     connection.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Earliest time of a `wake` that this process noticed late, because it stood still; `None` if there is none that no cycle has taken.
-type LateWake = Arc<Mutex<Option<Instant>>>;
+/// A time before the earliest `wake` that no cycle has taken; `None` if there is none. What the program made for it, it has made since.
+type FirstWake = Arc<Mutex<Option<Instant>>>;
+
+/// Notes a `wake` that came after a time.
+fn note_wake(first: &FirstWake, since: Instant) {
+    let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+    *first = Some(first.map_or(since, |it| it.min(since)));
+}
 
 /// The thread that watches a connection.
 pub(crate) struct ProgramWatcher {
     is_to_end: Arc<AtomicBool>,
     /// `None` without a thread.
     readiness: Option<Arc<Readiness>>,
-    late: LateWake,
+    first_wake: FirstWake,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -90,23 +96,18 @@ impl ProgramWatcher {
         let flag = Arc::clone(&is_to_end);
         let stream = lock(connection).stream().try_clone();
         let readiness = stream.and_then(Readiness::new).ok().map(Arc::new);
-        let late = LateWake::default();
-        let noted = Arc::clone(&late);
+        let first_wake = FirstWake::default();
+        let noted = Arc::clone(&first_wake);
         let thread = readiness.clone().and_then(|readiness| {
             let connection = Arc::clone(connection);
-            let standstills = Standstills::of_process();
+            // looks at the clock from now on
+            Standstills::of_process();
             let builder = std::thread::Builder::new().name("program".to_owned());
             let run = move || {
                 while !flag.load(Ordering::Acquire) {
                     let looked = Instant::now();
                     readiness.wait(NAP);
-                    let late = || {
-                        let waited = standstills.waited(looked);
-                        let since = Instant::now().checked_sub(waited);
-                        let since = since.filter(|_| !waited.is_zero());
-                        *noted.lock().unwrap_or_else(PoisonError::into_inner) = since;
-                    };
-                    if !watch(&connection, &waker, late) {
+                    if !watch(&connection, &waker, || note_wake(&noted, looked)) {
                         return;
                     }
                 }
@@ -116,7 +117,7 @@ impl ProgramWatcher {
         Self {
             is_to_end,
             readiness,
-            late,
+            first_wake,
             thread,
         }
     }
@@ -128,10 +129,15 @@ impl ProgramWatcher {
         }
     }
 
-    /// Returns for how long, at most, the `wake` of the present cycle has waited because this process stood still.
-    pub(crate) fn take_lateness(&self) -> Duration {
-        let mut late = self.late.lock().unwrap_or_else(PoisonError::into_inner);
-        late.take().map_or(Duration::ZERO, |since| since.elapsed())
+    /// Notes a `wake` that came after a time.
+    pub(crate) fn note_wake(&self, since: Instant) {
+        note_wake(&self.first_wake, since);
+    }
+
+    /// Returns a time before the earliest `wake` that no cycle has taken, and forgets it.
+    pub(crate) fn take_first_wake(&self) -> Option<Instant> {
+        let first = self.first_wake.lock();
+        first.unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Ends the thread; the connection must have been closed.

@@ -1,8 +1,9 @@
 //! A started program that has been configured, with the thread that watches it.
 
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use asmotion_bus::Standstills;
 use asmotion_component::Setup;
 use asmotion_datum::Datum;
 
@@ -54,6 +55,7 @@ impl ProgramSession {
         request: ProgramRequest,
         kind: &'static str,
     ) -> Result<Datum, ProgramError> {
+        let began = Instant::now();
         let mut connection = lock(&self.connection);
         let watched = |is_watched| {
             if let Some(watcher) = &self.watcher {
@@ -63,6 +65,9 @@ impl ProgramSession {
         watched(false);
         let reply = connection.exchange(&request.datum(), kind, self.timeout);
         watched(true);
+        if let Some(watcher) = self.watcher.as_ref().filter(|_| connection.has_woken()) {
+            watcher.note_wake(began);
+        }
         reply
     }
 
@@ -75,11 +80,18 @@ impl ProgramSession {
         lock(&self.connection).log.take(limit)
     }
 
-    /// Returns for how long, at most, the program has waited for the present cycle because this process stood still. Zero in simulated
-    /// time.
-    pub(super) fn take_lateness(&self) -> Duration {
+    /// Returns a time since when the program may have waited for the present cycle: before its earliest `wake`, or now.
+    pub(super) fn take_first_wake(&self) -> Instant {
         let watcher = self.watcher.as_ref();
-        watcher.map_or(Duration::ZERO, ProgramWatcher::take_lateness)
+        let first = watcher.and_then(ProgramWatcher::take_first_wake);
+        first.unwrap_or_else(Instant::now)
+    }
+
+    /// Returns for how long, at most, what the program has made since a time has waited because this process stood still. Zero in
+    /// simulated time.
+    pub(super) fn waited(&self, since: Instant) -> Duration {
+        let watcher = self.watcher.as_ref();
+        watcher.map_or(Duration::ZERO, |_| Standstills::of_process().waited(since))
     }
 
     /// Returns whether the program has requested a cycle during the last exchange.
