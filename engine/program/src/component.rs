@@ -62,10 +62,7 @@ impl ProgramComponent {
         kind: &'static str,
     ) -> Result<(), ProgramError> {
         let session = self.session()?;
-        let since = session.take_first_wake();
-        let reply = session.exchange(request, kind);
-        // this process may have stood still between the `wake` and the request, and between the request and the reply
-        let age = session.waited(since);
+        let (reply, age) = session.cycle(request, kind);
         self.report_lines(cycle);
         let reply = reply?;
         expect(&reply, "done", kind)?;

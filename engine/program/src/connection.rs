@@ -34,6 +34,10 @@ pub(crate) struct ProgramConnection {
     is_at_end: bool,
     /// Set by `wake` messages, cleared by `take_wake`.
     has_woken: bool,
+    /// Times of the last two looks at the socket, oldest first.
+    looks: [Instant; 2],
+    /// Time of the last look before the first `wake` that no cycle has taken.
+    first_wake: Option<Instant>,
     /// The program has ended or was killed.
     is_closed: bool,
     /// A violation of the protocol between two exchanges, which the next one reports.
@@ -50,6 +54,8 @@ impl ProgramConnection {
             sharing: SharedMemory::new().map_or(Sharing::None, Sharing::Created),
             is_at_end: false,
             has_woken: false,
+            looks: [Instant::now(); 2],
+            first_wake: None,
             is_closed: false,
             violation: None,
         }
@@ -82,9 +88,14 @@ impl ProgramConnection {
         self.is_closed
     }
 
-    /// Returns whether the program has requested a cycle since the last call of [`take_wake`](Self::take_wake).
-    pub(crate) fn has_woken(&self) -> bool {
-        self.has_woken
+    /// Returns a time before the first `wake` since the last call, or the one that was noted; `None` if there was none.
+    pub(crate) fn take_first_wake(&mut self) -> Option<Instant> {
+        self.first_wake.take()
+    }
+
+    /// Notes that what the program has a `wake` for was made after a time.
+    pub(crate) fn note_wake(&mut self, since: Instant) {
+        self.first_wake = Some(since);
     }
 
     /// Returns whether the program has requested a cycle since the last call.
@@ -211,6 +222,7 @@ impl ProgramConnection {
 
     /// Receives what has arrived at the socket.
     fn receive(&mut self) {
+        self.looks = [self.looks[1], Instant::now()];
         for _ in 0..READS {
             if self.is_at_end || self.received.is_full() {
                 break;
@@ -244,6 +256,7 @@ impl ProgramConnection {
                 return Ok(Some(message));
             }
             self.has_woken = true;
+            self.first_wake.get_or_insert(self.looks[0]);
         }
         Ok(None)
     }

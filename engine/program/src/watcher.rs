@@ -6,7 +6,7 @@ use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use asmotion_bus::Standstills;
 use rustix::event::epoll;
@@ -34,21 +34,11 @@ pub(crate) fn lock(connection: &Mutex<ProgramConnection>) -> MutexGuard<'_, Prog
     connection.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A time before the earliest `wake` that no cycle has taken; `None` if there is none. What the program made for it, it has made since.
-type FirstWake = Arc<Mutex<Option<Instant>>>;
-
-/// Notes a `wake` that came after a time.
-fn note_wake(first: &FirstWake, since: Instant) {
-    let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
-    *first = Some(first.map_or(since, |it| it.min(since)));
-}
-
 /// The thread that watches a connection.
 pub(crate) struct ProgramWatcher {
     is_to_end: Arc<AtomicBool>,
     /// `None` without a thread.
     readiness: Option<Arc<Readiness>>,
-    first_wake: FirstWake,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -96,8 +86,6 @@ impl ProgramWatcher {
         let flag = Arc::clone(&is_to_end);
         let stream = lock(connection).stream().try_clone();
         let readiness = stream.and_then(Readiness::new).ok().map(Arc::new);
-        let first_wake = FirstWake::default();
-        let noted = Arc::clone(&first_wake);
         let thread = readiness.clone().and_then(|readiness| {
             let connection = Arc::clone(connection);
             // looks at the clock from now on
@@ -105,9 +93,8 @@ impl ProgramWatcher {
             let builder = std::thread::Builder::new().name("program".to_owned());
             let run = move || {
                 while !flag.load(Ordering::Acquire) {
-                    let looked = Instant::now();
                     readiness.wait(NAP);
-                    if !watch(&connection, &waker, || note_wake(&noted, looked)) {
+                    if !watch(&connection, &waker) {
                         return;
                     }
                 }
@@ -117,7 +104,6 @@ impl ProgramWatcher {
         Self {
             is_to_end,
             readiness,
-            first_wake,
             thread,
         }
     }
@@ -127,17 +113,6 @@ impl ProgramWatcher {
         if let Some(readiness) = &self.readiness {
             readiness.set_watched(is_watched);
         }
-    }
-
-    /// Notes a `wake` that came after a time.
-    pub(crate) fn note_wake(&self, since: Instant) {
-        note_wake(&self.first_wake, since);
-    }
-
-    /// Returns a time before the earliest `wake` that no cycle has taken, and forgets it.
-    pub(crate) fn take_first_wake(&self) -> Option<Instant> {
-        let first = self.first_wake.lock();
-        first.unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Ends the thread; the connection must have been closed.
@@ -150,18 +125,14 @@ impl ProgramWatcher {
     }
 }
 
-/// Receives what a program has sent outside of an exchange. Calls `woken` before it wakes. Returns `false` if the program has
-/// ended.
-fn watch(connection: &SharedConnection, waker: &CycleWaker, woken: impl FnOnce()) -> bool {
+/// Receives what a program has sent outside of an exchange. Returns `false` if the program has ended.
+fn watch(connection: &SharedConnection, waker: &CycleWaker) -> bool {
     // waits for the end of an exchange
     let mut connection = lock(connection);
     let has_ended = connection.receive_unasked();
     connection.log.read(CHUNKS);
     let has_woken = connection.take_wake();
     drop(connection);
-    if has_woken {
-        woken();
-    }
     if has_woken || has_ended {
         waker();
     }

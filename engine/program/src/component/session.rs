@@ -55,7 +55,6 @@ impl ProgramSession {
         request: ProgramRequest,
         kind: &'static str,
     ) -> Result<Datum, ProgramError> {
-        let began = Instant::now();
         let mut connection = lock(&self.connection);
         let watched = |is_watched| {
             if let Some(watcher) = &self.watcher {
@@ -65,9 +64,6 @@ impl ProgramSession {
         watched(false);
         let reply = connection.exchange(&request.datum(), kind, self.timeout);
         watched(true);
-        if let Some(watcher) = self.watcher.as_ref().filter(|_| connection.has_woken()) {
-            watcher.note_wake(began);
-        }
         reply
     }
 
@@ -80,18 +76,27 @@ impl ProgramSession {
         lock(&self.connection).log.take(limit)
     }
 
-    /// Returns a time since when the program may have waited for the present cycle: before its earliest `wake`, or now.
-    pub(super) fn take_first_wake(&self) -> Instant {
-        let watcher = self.watcher.as_ref();
-        let first = watcher.and_then(ProgramWatcher::take_first_wake);
-        first.unwrap_or_else(Instant::now)
-    }
-
-    /// Returns for how long, at most, what the program has made since a time has waited because this process stood still. Zero in
-    /// simulated time.
-    pub(super) fn waited(&self, since: Instant) -> Duration {
-        let watcher = self.watcher.as_ref();
-        watcher.map_or(Duration::ZERO, |_| Standstills::of_process().waited(since))
+    /// Sends the request of a cycle and waits for the reply. Returns also for how long, at most, what the reply contains has waited
+    /// because this process stood still: since the program sent a `wake`, or on the way. Zero in simulated time.
+    pub(super) fn cycle(
+        &self,
+        request: ProgramRequest,
+        kind: &'static str,
+    ) -> (Result<Datum, ProgramError>, Duration) {
+        let began = Instant::now();
+        let asked = lock(&self.connection).take_first_wake();
+        let reply = self.exchange(request, kind);
+        let mut connection = lock(&self.connection);
+        let asked_meanwhile = connection.take_first_wake();
+        if asked_meanwhile.is_some() {
+            // what the next cycle passes on was made after this one was requested
+            connection.note_wake(began);
+        }
+        drop(connection);
+        let asked = asked.into_iter().chain(asked_meanwhile);
+        let since = asked.fold(began, Instant::min);
+        let waited = |_| Standstills::of_process().waited(since);
+        (reply, self.watcher.as_ref().map_or(Duration::ZERO, waited))
     }
 
     /// Returns whether the program has requested a cycle during the last exchange.
