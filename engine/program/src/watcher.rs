@@ -147,6 +147,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests")]
 
     use std::io::Write;
+    use std::time::Instant;
 
     use super::*;
 
