@@ -33,11 +33,11 @@ fn relay(master: &Master, name: &str, from: &str, to: &str) -> Relay {
 impl Relay {
     /// Why it does not receive.
     fn refusal(&self) -> String {
-        self.node.notice("a refusal", |notice| match notice {
-            RosNotice::Disconnected { reason, .. } if reason.contains("go round") => {
-                Some(reason.clone())
-            }
-            _ => None,
+        self.node.notice("a refusal", |notice| {
+            let RosNotice::Disconnected { reason, .. } = notice else {
+                return None;
+            };
+            reason.contains("go round").then(|| reason.clone())
         })
     }
 }
