@@ -230,7 +230,7 @@ function key(event) {
   else if (event.key === " " && event.target.tagName !== "BUTTON") { if (playback) playback.key(event); else pause(); }
   else if (event.key === "[" || event.key === "]") step(event.key === "]" ? 1 : -1);
   else if (event.key === "{" || event.key === "}") change(event.key === "}" ? 1 : -1);
-  else if (event.key === "/") byId("view").querySelector("input")?.focus();
+  else if (event.key === "/") byId("view").querySelector("input[type=search]")?.focus();
   else if (!current.view?.key?.(event) && !playback?.key(event)) {
     if (event.key === "Escape" && playback && app.range) zoom(null);
     else if (event.key === "Escape" && (store.isBack || app.range)) seek(null); else return;
