@@ -117,7 +117,12 @@ impl Linear {
             Part::Unary("z", _) => now[index],
             Part::Unary("o" | "h", operand) => now[index] == now[*operand],
             Part::Binary("s" | "t", _, right) => now[index] == now[*right],
-            _ => true,
+            Part::Is(_)
+            | Part::Not(_)
+            | Part::And(..)
+            | Part::Or(..)
+            | Part::Unary(..)
+            | Part::Binary(..) => true,
         })
     }
 
@@ -138,7 +143,7 @@ impl Linear {
                 "s" => next[index] == (next[*right] || (next[*left] && now[index])),
                 _ => next[index] == (next[*right] && (next[*left] || now[index])),
             },
-            _ => true,
+            Part::Is(_) | Part::Not(_) | Part::And(..) | Part::Or(..) => true,
         })
     }
 
@@ -147,7 +152,12 @@ impl Linear {
         match &self.0[index] {
             Part::Unary("f", goal) | Part::Binary("u", _, goal) => !now[index] || now[*goal],
             Part::Unary("g", goal) | Part::Binary("v", _, goal) => now[index] || !now[*goal],
-            _ => true,
+            Part::Is(_)
+            | Part::Not(_)
+            | Part::And(..)
+            | Part::Or(..)
+            | Part::Unary(..)
+            | Part::Binary(..) => true,
         }
     }
 

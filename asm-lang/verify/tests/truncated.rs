@@ -13,7 +13,7 @@ use asmotion_verify::{
 /// Specifications with a property of each class.
 fn specification(random: &mut Random, round: u32) -> (String, Options) {
     let libraries = "import StandardLibrary\nimport CTLLibrary\nimport LTLLibrary\n";
-    let (text, properties, possible) = if round % 3 == 0 {
+    let (text, properties, possible) = if round.is_multiple_of(3) {
         let text = renamed(&independent::specification(random));
         let properties = [
             "ag(common < 2)",
@@ -42,7 +42,7 @@ fn specification(random: &mut Random, round: u32) -> (String, Options) {
         (text, properties, "q and n = 2")
     };
     let justice = match round % 4 {
-        0 if round % 3 == 0 => "  JUSTICE common = 0\n",
+        0 if round.is_multiple_of(3) => "  JUSTICE common = 0\n",
         0 => "  JUSTICE left or p\n",
         _ => "",
     };
