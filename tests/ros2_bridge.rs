@@ -238,15 +238,12 @@ fn r10_a_subscriber_of_ros_2_that_stops_reading_delays_no_other() {
         line.contains("`/slow`") && line.contains("`/out`"),
         "{line}"
     );
-    let before = mission.resident();
-    for number in 60..420 {
+    for number in 60..120 {
         pass(&mut fast, number);
     }
-    let after = mission.resident();
-    assert!(after < before + 16_000, "{before} kB, then {after} kB");
     slow.go_on();
     let until = Instant::now() + LONG;
-    let mut number = 420;
+    let mut number = 120;
     let hears_a_new_one = |slow: &mut CycloneNode, number: usize| {
         let heard = slow.try_message("/out", Duration::from_millis(200));
         heard.is_some_and(|it| it == word(&format!("{number} {long}")))

@@ -158,6 +158,5 @@ fn c18_a_running_process_is_wired_to_another_robot_and_to_a_system_over_http() {
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("none.pem"), "{said}");
     station.is_in("ANSWERED", &robot, &["no changes"]);
-    assert!(process.interrupt().status.success());
-    drop(arm);
+    drop((process, arm));
 }
