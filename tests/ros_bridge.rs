@@ -82,14 +82,6 @@ impl Mission {
         assert!(sent.unwrap().success());
     }
 
-    /// Memory of the process, in kB.
-    pub(crate) fn resident(&self) -> u64 {
-        let status = format!("/proc/{}/status", self.child.id());
-        let status = std::fs::read_to_string(status).unwrap();
-        let line = status.lines().find(|it| it.starts_with("VmRSS:")).unwrap();
-        line.split_whitespace().nth(1).unwrap().parse().unwrap()
-    }
-
     /// Waits for its end.
     pub(crate) fn end(mut self) {
         self.child.wait().unwrap();
