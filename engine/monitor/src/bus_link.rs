@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 pub struct BusLink {
     /// The address of the broker, without credentials.
     pub name: String,
-    /// What is dangerous about its login, in words with a way out; `None` if nothing is known.
+    /// Warning about its login, with a way out; `None` if there is none.
     pub warning: Option<String>,
     /// The bus, which is asked for its [health](Bus::health).
     pub bus: Arc<dyn Bus>,

@@ -137,7 +137,7 @@ impl OrderBus {
     /// Sends an order, and waits until it has been carried out.
     ///
     /// # Errors
-    /// What became of it, and a text for the user.
+    /// The command was refused, or has had no answer in time: its outcome, and the reason as text for the log.
     pub(crate) async fn send(&self, order: &Order) -> Result<(), (CommandOutcome, String)> {
         let argument =
             Datum::of(order).map_err(|error| (CommandOutcome::Refused, error.to_string()))?;

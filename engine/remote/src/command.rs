@@ -1,4 +1,4 @@
-//! Commands: what somebody outside a system asked of it, for its log and its recording.
+//! Records of commands from outside a system, for its log and its recording.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ pub struct CommandRecord {
     pub login: TabLogin,
     /// The command in words, for example `set Follower.max_speed = 0.4`.
     pub text: String,
-    /// What became of it.
+    /// Outcome so far.
     pub outcome: CommandOutcome,
     /// The reason that it was refused or failed; empty otherwise.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -44,7 +44,7 @@ pub enum TabLogin {
     Token,
 }
 
-/// What became of a command.
+/// Outcome of a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CommandOutcome {

@@ -103,7 +103,7 @@ impl<'p> ProcessContact<'p> {
         })
     }
 
-    /// Keeps no commands: whoever asks over this bus notes them.
+    /// Keeps no records of commands, because the caller of this bus, such as the dashboard, keeps them itself.
     #[must_use]
     pub fn without_commands(self) -> Self {
         Self {

@@ -246,8 +246,7 @@ impl AmqpSettings {
         format!("{}:{}/{}", self.host, self.port, self.vhost)
     }
 
-    /// Why the login is dangerous: it is RabbitMQ's default one, `guest` with the password `guest`, which everybody knows, and the
-    /// broker is on another machine. `None` for other logins, and for a broker on this machine. The name of the host is resolved for
+    /// Warning about RabbitMQ's default login, `guest` with the password `guest`, at a broker on another machine. `None` for other logins, and for a broker on this machine. The name of the host is resolved for
     /// this, which can take as long as a connection.
     pub fn login_warning(&self) -> Option<String> {
         if self.credentials != Credentials::new(GUEST, GUEST) || self.is_on_this_machine() {
@@ -255,7 +254,7 @@ impl AmqpSettings {
         }
         let (location, vhost) = (self.location(), &self.vhost);
         Some(format!(
-            "the login at the broker {location} is `guest` with the password `guest`, which everybody knows: whoever reaches the \
+            "the login at the broker {location} is `guest` with the password `guest`, RabbitMQ's default: any client that reaches the \
              broker controls the robot. `rabbitmqctl add_user NAME PASSWORD` and `rabbitmqctl set_permissions -p {vhost} NAME '.*' '.*' '.*'` \
              make another one for the address `amqp://NAME@…`, and `rabbitmqctl delete_user guest` removes this one"
         ))

@@ -14,9 +14,9 @@ use asmotion_ros2::{EndpointError, Gid, Node, Publisher, Qos, Subscription};
 /// Type of the announcements.
 const TYPE: &str = "std_msgs/Empty";
 
-/// What the names of announcements begin with.
+/// Prefix of the names of announcements.
 const ANNOUNCEMENT: &str = "/_asmotion_relay";
-/// What is between the two topics.
+/// Separator of the two topics.
 const TO: &str = "/_to/";
 
 /// The name of the announcement of a relay between two absolute topics.
