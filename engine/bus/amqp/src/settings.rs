@@ -246,8 +246,8 @@ impl AmqpSettings {
         format!("{}:{}/{}", self.host, self.port, self.vhost)
     }
 
-    /// Warning about RabbitMQ's default login, `guest` with the password `guest`, at a broker on another machine. `None` for other logins, and for a broker on this machine. The name of the host is resolved for
-    /// this, which can take as long as a connection.
+    /// Warning about RabbitMQ's default login, `guest` with the password `guest`, at a broker on another machine. `None` for other
+    /// logins, and for a broker on this machine. The name of the host is resolved for this, which can take as long as a connection.
     pub fn login_warning(&self) -> Option<String> {
         if self.credentials != Credentials::new(GUEST, GUEST) || self.is_on_this_machine() {
             return None;
