@@ -434,6 +434,8 @@ fn logs(tab: &mut Tab) {
         tab.eval(&format!("(() => {{ const it = document.querySelector('.log-panel input[type=search]'); it.value = '{words}'; it.dispatchEvent(new Event('input')); }})()"));
     };
     seek(tab, 38.0);
+    // an answer that was under way when the filter changed is not taken for one to the filter
+    tab.eval("(() => { const { store } = asmotion; store.filter(['reply', 'planner.plan'], 'info'); store.window({ valid: [0, 1e6], filter: null, states: {}, history: [], log: [], calls: [], series: {} }); })()");
     filter(tab, "reply planner.plan");
     tab.wait("asmotion.store.found?.isKnown && asmotion.store.found.entries.length > 0 && asmotion.store.found.entries.every((it) => it.kind === 'reply' && it.text.startsWith('planner.plan'))");
     tab.wait("[...document.querySelectorAll('.log .row')].some((it) => it.textContent.includes('planner.plan'))");

@@ -140,8 +140,9 @@ export class Store {
     this.changes.outputs++;
   }
 
-  /** Replaces steps, states and entries. @param {any} window */
+  /** Replaces steps, states and entries. An answer to a question before the filter changed is none to the present one. @param {any} window */
   window(window) {
+    if (window.filter !== (this.found?.number ?? null)) return;
     this.valid = window.valid;
     this.states = window.states;
     this.history = new Map();
@@ -153,8 +154,8 @@ export class Store {
     }
     this.knownSince = new Map([...this.history].map(([component, steps]) => [component, steps[0].index === 0 ? 0 : steps[0].t]));
     const log = [...window.log, ...window.calls].sort((one, other) => one.t - other.t);
-    if (window.filter === null) this.log = log;
-    else if (window.filter === this.found?.number) Object.assign(this.found, { entries: log, isKnown: true });
+    if (this.found) Object.assign(this.found, { entries: log, isKnown: true });
+    else this.log = log;
     const same = new Map();
     for (const it of log) {
       const words = `l${it.t} ${it.kind} ${it.component} ${it.text}`, count = same.get(words) ?? 0;
