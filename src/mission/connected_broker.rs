@@ -11,6 +11,10 @@ pub(super) struct ConnectedBroker {
     /// Address of the broker, without credentials.
     pub location: String,
     /// Why its login is dangerous.
+    #[cfg_attr(
+        not(feature = "dashboard"),
+        allow(dead_code, reason = "only the dashboard shows it")
+    )]
     pub warning: Option<String>,
     pub bus: Arc<dyn Bus>,
 }
