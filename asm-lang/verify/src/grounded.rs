@@ -4,6 +4,8 @@
 mod case;
 mod cases;
 mod command;
+mod condition;
+mod condition_index;
 mod independence;
 mod layout;
 mod machine_steps;

@@ -1,8 +1,10 @@
 //! Cases compiled to commands: masks and tables over the words of a state.
 
-use super::case::{Case, Closed, Conjunction, Division, NoCases};
+use super::case::{Case, Closed, Division, NoCases};
+use super::condition::{Selection, WordCondition};
+use super::condition_index::ConditionIndex;
 use super::independence::CommandAccesses;
-use super::layout::{Field, WordLayout, Words};
+use super::layout::{Field, WordLayout, Words, union, word_of};
 use crate::fair_moves::{FairMoves, MovedSet};
 use asmotion_ground::{
     FAULT, GroundAlternative, GroundProgram, GroundTerm, Permitted, UNDEF, evaluate,
@@ -13,111 +15,6 @@ const MACHINE: u64 = u64::MAX;
 
 /// Entry of a table of codes: the layout has no code for the number.
 const WIDER: u64 = u64::MAX - 1;
-
-/// A selection of variables as an index into a table.
-#[derive(Clone, Debug)]
-struct Selection(Vec<(Field, usize)>);
-
-impl Selection {
-    fn of(layout: &WordLayout, variables: &[u32]) -> Self {
-        let mut stride = 1usize;
-        let mut fields = Vec::new();
-        for variable in variables.iter().rev() {
-            if let Some(field) = layout.field(*variable) {
-                fields.push((field.clone(), stride));
-                stride *= field.codes() as usize;
-            }
-        }
-        Self(fields)
-    }
-
-    #[inline]
-    fn index<const W: usize>(&self, state: &Words<W>) -> usize {
-        let parts = self.0.iter();
-        parts
-            .map(|(field, stride)| field.get(state) as usize * stride)
-            .sum()
-    }
-}
-
-/// A condition that no mask expresses.
-#[derive(Clone, Debug)]
-enum WordTest {
-    /// The code of a field is in a set.
-    Set(Field, u64),
-    /// A table has `true` for the selected codes.
-    Table(Selection, Box<[bool]>),
-}
-
-/// A conjunction of conditions on the words of a state.
-#[derive(Clone, Debug)]
-pub(crate) struct WordCondition<const W: usize> {
-    mask: Words<W>,
-    value: Words<W>,
-    tests: Box<[WordTest]>,
-}
-
-impl<const W: usize> WordCondition<W> {
-    pub fn of(division: &Division<'_>, when: &Conjunction) -> Self {
-        let layout = division.layout;
-        let (mut mask, mut value) = ([0; W], [0; W]);
-        let mut tests = Vec::new();
-        for (variable, codes) in &when.codes {
-            let Some(field) = layout.field(*variable) else {
-                continue;
-            };
-            let mut possible = codes
-                .iter()
-                .enumerate()
-                .filter(|(_, is_possible)| **is_possible);
-            match (possible.next(), possible.next()) {
-                (Some((code, _)), None) => {
-                    field.set(&mut mask, field.mask);
-                    field.set(&mut value, code as u64);
-                }
-                _ if codes.len() <= 64 => {
-                    let set = codes.iter().enumerate();
-                    let set = set.fold(0, |set, (code, is)| set | u64::from(*is) << code);
-                    tests.push(WordTest::Set(field.clone(), set));
-                }
-                _ => {
-                    let selection = Selection::of(layout, &[*variable]);
-                    tests.push(WordTest::Table(selection, codes.clone().into()));
-                }
-            }
-        }
-        for literal in &when.literals {
-            let values = division.values(&literal.term, &literal.variables);
-            let values = values.iter().map(|it| literal.requirement.is_met(*it));
-            let selection = Selection::of(layout, &literal.variables);
-            tests.push(WordTest::Table(selection, values.collect()));
-        }
-        Self {
-            mask,
-            value,
-            tests: tests.into(),
-        }
-    }
-
-    #[inline]
-    pub fn holds(&self, state: &Words<W>) -> bool {
-        let mut differs = 0;
-        for ((word, mask), value) in state.iter().zip(&self.mask).zip(&self.value) {
-            differs |= word & mask ^ value;
-        }
-        differs == 0 && self.tests_hold(state)
-    }
-
-    #[inline]
-    fn tests_hold(&self, state: &Words<W>) -> bool {
-        self.tests.iter().all(|test| match test {
-            WordTest::Set(field, set) => set >> field.get(state) & 1 == 1,
-            WordTest::Table(selection, table) => {
-                table.get(selection.index(state)).copied().unwrap_or(false)
-            }
-        })
-    }
-}
 
 /// The next code of a variable, computed from the state.
 #[derive(Clone, Debug)]
@@ -191,7 +88,7 @@ impl<const W: usize> Command<W> {
                     continue;
                 }
                 GroundTerm::Constant(number) if code_of(*number) != WIDER => {
-                    for (word, cleared) in keep.iter_mut().zip(mask_of::<W>(field)) {
+                    for (word, cleared) in keep.iter_mut().zip(field.bits_in::<W>()) {
                         *word &= !cleared;
                     }
                     field.set(&mut set, code_of(*number));
@@ -251,8 +148,8 @@ impl<const W: usize> Command<W> {
     #[inline]
     pub fn next(&self, layout: &WordLayout, state: &Words<W>) -> Result<Words<W>, NoSuccessor> {
         let mut next = *state;
-        for ((word, keep), set) in next.iter_mut().zip(&self.keep).zip(&self.set) {
-            *word = *word & keep | set;
+        for (index, word) in next.iter_mut().enumerate() {
+            *word = *word & word_of(&self.keep, index) | word_of(&self.set, index);
         }
         if self.needs_machine {
             return Err(NoSuccessor::Machine);
@@ -283,13 +180,6 @@ impl<const W: usize> Command<W> {
     }
 }
 
-/// Returns the bits of a field.
-fn mask_of<const W: usize>(field: &Field) -> Words<W> {
-    let mut mask = [0; W];
-    field.set(&mut mask, field.mask);
-    mask
-}
-
 /// Ranges with a known length.
 trait LengthLimit {
     fn len_at_most(&self, limit: u64) -> bool;
@@ -307,8 +197,12 @@ pub(crate) struct StepCode<const W: usize> {
     pub commands: Vec<Command<W>>,
     /// Variables that each of `commands` accesses, in the same order.
     pub accesses: Vec<CommandAccesses>,
+    /// The conditions of `commands`.
+    pub index: ConditionIndex<W>,
     /// Commands without updates.
     pub idle: Vec<Command<W>>,
+    /// The conditions of `idle`.
+    pub idle_index: ConditionIndex<W>,
     /// Alternatives that are executed part by part, each with the number of commands before it.
     pub interpreted: Vec<(usize, GroundAlternative)>,
 }
@@ -324,7 +218,9 @@ impl<const W: usize> StepCode<W> {
         let mut code = Self {
             commands: Vec::new(),
             accesses: Vec::new(),
+            index: ConditionIndex::default(),
             idle: Vec::new(),
+            idle_index: ConditionIndex::default(),
             interpreted: Vec::new(),
         };
         for alternative in alternatives {
@@ -350,6 +246,12 @@ impl<const W: usize> StepCode<W> {
                 }
             }
         }
+        let conditions = |commands: &[Command<W>]| {
+            let conditions: Vec<&WordCondition<W>> = commands.iter().map(|it| &it.when).collect();
+            ConditionIndex::of(layout, &conditions)
+        };
+        code.index = conditions(&code.commands);
+        code.idle_index = conditions(&code.idle);
         code
     }
 }
@@ -387,9 +289,7 @@ impl<const W: usize> CompiledCondition<W> {
         let mut reads = [0; W];
         for variable in division.reads(term) {
             if let Some(field) = layout.field(variable) {
-                for (word, bits) in reads.iter_mut().zip(mask_of::<W>(field)) {
-                    *word |= bits;
-                }
+                reads = union(&reads, &field.bits_in());
             }
         }
         let conditions = |wanted| {

@@ -70,8 +70,9 @@ pub(crate) struct GroundedSteps<'a, const W: usize> {
     code: &'a StepCode<W>,
     pub machine: WordMachine<'a>,
     executed: Vec<bool>,
-    /// Commands without updates that may still execute counters that nothing has executed.
-    pending: Vec<usize>,
+    /// For each command without updates, `true` until it has held in a state: its counters may be those of parts that nothing else
+    /// executes.
+    pending: Vec<bool>,
     pub successors: Successors<W>,
     updates: GroundUpdates,
     numbers: Vec<i64>,
@@ -93,7 +94,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         Self {
             request,
             executed: vec![false; code.commands.len()],
-            pending: (0..code.idle.len()).collect(),
+            pending: vec![true; code.idle.len()],
             code,
             machine,
             successors: Successors {
@@ -196,30 +197,11 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         }
         let layout = self.request.layout;
         let mut interpreted = 0;
-        for (index, command) in self.code.commands.iter().enumerate() {
-            while let Some((_, alternative)) = self
-                .code
-                .interpreted
-                .get(interpreted)
-                .filter(|(at, _)| *at <= index)
-            {
-                interpreted += 1;
-                let grounded = self.request.grounded;
-                let successors = &mut self.successors;
-                let (numbers, updates) = (&mut self.numbers, &mut self.updates);
-                alternative_step(
-                    grounded,
-                    layout,
-                    alternative,
-                    state,
-                    numbers,
-                    updates,
-                    successors,
-                )?;
-            }
-            if !command.when.holds(state) {
+        for index in self.code.index.held(state) {
+            interpreted = self.interpreted_steps(state, interpreted, index)?;
+            let Some(command) = self.code.commands.get(index) else {
                 continue;
-            }
+            };
             let next = command.next(layout, state)?;
             self.successors.states.push(HashedState::of(next));
             self.successors.updating += 1;
@@ -234,29 +216,38 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
                 *executed = true;
             }
         }
-        while let Some((_, alternative)) = self.code.interpreted.get(interpreted) {
-            interpreted += 1;
-            let grounded = self.request.grounded;
-            let successors = &mut self.successors;
-            let (numbers, updates) = (&mut self.numbers, &mut self.updates);
-            alternative_step(
-                grounded,
-                layout,
-                alternative,
-                state,
-                numbers,
-                updates,
-                successors,
-            )?;
-        }
+        self.interpreted_steps(state, interpreted, usize::MAX)?;
         if self.request.options.keeps_edges && !self.successors.is_idle {
-            let mut idle = self.code.idle.iter();
-            self.successors.is_idle = idle.any(|command| command.when.holds(state));
+            self.successors.is_idle = self.code.idle_index.held(state).next().is_some();
         }
-        if !self.pending.is_empty() {
-            self.cover(state);
-        }
+        self.cover(state);
         Ok(())
+    }
+
+    /// Executes the alternatives from one on that come before a command. Returns the number of the next one.
+    fn interpreted_steps(
+        &mut self,
+        state: &Words<W>,
+        from: usize,
+        command: usize,
+    ) -> Result<usize, NoSuccessor> {
+        let Self {
+            request,
+            code,
+            numbers,
+            updates,
+            successors,
+            ..
+        } = self;
+        let mut next = from;
+        while let Some((before, alternative)) = code.interpreted.get(next)
+            && *before <= command
+        {
+            next += 1;
+            let (grounded, layout) = (request.grounded, request.layout);
+            alternative_step(grounded, layout, alternative, state, numbers, updates, successors)?;
+        }
+        Ok(next)
     }
 
     /// Counts the parts that commands without updates execute.
@@ -267,24 +258,22 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
             updates,
             ..
         } = self;
-        pending.retain(|index| {
-            let Some(command) = code.idle.get(*index) else {
-                return false;
+        for index in code.idle_index.held(state) {
+            let Some(is_pending) = pending.get_mut(index).filter(|it| **it) else {
+                continue;
             };
+            *is_pending = false;
+            let counters = code.idle.get(index).map_or(&[][..], |it| &it.counters);
             let count = |counter: &u32| updates.counts.get(*counter as usize).copied();
-            if command.counters.iter().all(|it| count(it) != Some(0)) {
-                return false;
+            if counters.iter().all(|it| count(it) != Some(0)) {
+                continue;
             }
-            let holds = command.when.holds(state);
-            if holds {
-                for counter in &command.counters {
-                    if let Some(count) = updates.counts.get_mut(*counter as usize) {
-                        *count += 1;
-                    }
+            for counter in counters {
+                if let Some(count) = updates.counts.get_mut(*counter as usize) {
+                    *count += 1;
                 }
             }
-            !holds
-        });
+        }
     }
 
     /// Executes the rule once for each combination of choices and inputs.
