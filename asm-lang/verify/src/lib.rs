@@ -79,6 +79,7 @@ mod transition;
 mod translation;
 mod verdicts;
 mod verify;
+mod without_inputs;
 
 pub use advice::{AdviceKind, SpecificationAdvice};
 pub use codes::CODES;

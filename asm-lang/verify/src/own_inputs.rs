@@ -90,6 +90,11 @@ impl Prepared {
         !is_recurrence || self.has_fairness
     }
 
+    /// Returns `true` if no property mentions an input itself.
+    pub fn mentions_no_inputs(&self) -> bool {
+        self.properties.iter().all(|it| it.inputs.is_empty())
+    }
+
     /// Groups properties that are verified alone: those that mention no inputs themselves have the same nodes.
     pub fn groups(&self, alone: &[usize]) -> Vec<Vec<usize>> {
         let has_inputs = |index: &usize| {

@@ -15,6 +15,8 @@ use std::fmt::Write;
 #[derive(Debug, Default)]
 pub struct KeptExploration {
     kept: Option<Kept>,
+    /// That of the properties that mention no inputs, if they are verified alone.
+    without_inputs: Option<Box<Self>>,
     explorations: u64,
 }
 
@@ -28,7 +30,20 @@ struct Kept {
 impl KeptExploration {
     /// Returns the number of explorations so far; a verification that reuses one adds none.
     pub fn explorations(&self) -> u64 {
-        self.explorations
+        let without_inputs = self.without_inputs.as_ref();
+        self.explorations + without_inputs.map_or(0, |it| it.explorations())
+    }
+
+    /// One that has kept an exploration already.
+    pub(crate) fn of(basis: &str, exploration: Exploration) -> Self {
+        let mut kept = Self::default();
+        kept.keep(basis.to_owned(), exploration);
+        kept
+    }
+
+    /// Returns that of the properties that mention no inputs.
+    pub(crate) fn without_inputs(&mut self) -> &mut Self {
+        self.without_inputs.get_or_insert_default()
     }
 
     /// Returns the last exploration with the values of these conditions, if it has the same basis and the conditions can be

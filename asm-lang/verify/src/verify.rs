@@ -299,6 +299,9 @@ impl PreparedSystem {
     }
 }
 
+/// What was found, and the exploration if it is not kept for the next verification.
+type Checked = (Verification, Option<Exploration>);
+
 /// The subject of an exploration.
 struct Exploring<'a> {
     known: &'a [VerifiedMachine],
@@ -316,7 +319,10 @@ impl Exploring<'_> {
         kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Verification, (usize, Report)> {
-        let mut found = self.checked(machines, plan, kept, proceed)?;
+        let (basis, mut kept) = kept.unzip();
+        let basis = basis.unwrap_or_default();
+        let whole = kept.as_deref_mut().map(|kept| (basis.clone(), kept));
+        let (mut found, mut exploration) = self.checked(machines, plan, whole, proceed)?;
         if found.incomplete.is_some() {
             return Ok(found);
         }
@@ -346,7 +352,19 @@ impl Exploring<'_> {
                 options: &options,
                 ..*self
             };
-            let of_group = exploring.checked(machines, plan, None, proceed)?;
+            let mut known;
+            let states = match (kept.as_deref_mut(), exploration.take()) {
+                _ if !properties.mentions_no_inputs() => None,
+                (Some(kept), _) => Some(kept.without_inputs()),
+                (None, found) => {
+                    known = found
+                        .and_then(Exploration::without_inputs)
+                        .map(|it| KeptExploration::of(&basis, it));
+                    known.as_mut()
+                }
+            };
+            let states = states.map(|states| (basis.clone(), states));
+            let (of_group, _) = exploring.checked(machines, plan, states, proceed)?;
             for checked in of_group.properties {
                 let mut known = found.properties.iter_mut();
                 let known = known.find(|it| {
@@ -371,7 +389,7 @@ impl Exploring<'_> {
         plan: &SystemPlan,
         kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Verification, (usize, Report)> {
+    ) -> Result<Checked, (usize, Report)> {
         let is_single = machines.len() == 1 && plan.is_plain();
         #[cfg(feature = "symbolic")]
         let is_symbolic = self.options.engine == Engine::Symbolic;
@@ -380,7 +398,8 @@ impl Exploring<'_> {
             ([machine], Some(ranges))
                 if is_single && is_symbolic && self.fair.is_empty() && !self.options.advice =>
             {
-                self.symbolic(machine, ranges, proceed)
+                let found = self.symbolic(machine, ranges, proceed)?;
+                Ok((found, None))
             }
             #[cfg(feature = "symbolic")]
             _ if is_symbolic => {
@@ -407,7 +426,7 @@ impl Exploring<'_> {
         system: S,
         kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Verification, (usize, Report)> {
+    ) -> Result<Checked, (usize, Report)> {
         self.run_in(
             &system,
             (self.cone(), self.options.independent),
@@ -424,7 +443,7 @@ impl Exploring<'_> {
         (cone, independent): (Option<BTreeSet<usize>>, bool),
         mut kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Verification, (usize, Report)> {
+    ) -> Result<Checked, (usize, Report)> {
         let conditions = &self.properties.conditions;
         let reused = kept.as_mut().and_then(|(basis, kept)| {
             kept.reused(basis, system, conditions, self.properties.needs_graph())
@@ -507,10 +526,14 @@ impl Exploring<'_> {
             has_advice_on_steps,
             told_apart: exploration.told_apart(),
         };
-        if let Some((basis, kept)) = kept {
-            kept.keep(basis, exploration);
-        }
-        Ok(verification)
+        let exploration = match kept {
+            Some((basis, kept)) => {
+                kept.keep(basis, exploration);
+                None
+            }
+            None => Some(exploration),
+        };
+        Ok((verification, exploration))
     }
 
     /// Returns the conditions of the selected properties, if these are about single states and locations may be left out. The general

@@ -3,7 +3,7 @@
 use crate::naive::Random;
 use crate::{open, verdict_of, verified, verified_system};
 use asmotion_verify::{
-    EnvironmentModel, KeptExploration, Options, SystemSpecification, verify_again,
+    EnvironmentModel, KeptExploration, Options, SystemSpecification, verify, verify_again,
 };
 
 /// Copies an input, and raises a flag; with these properties.
@@ -69,6 +69,27 @@ fn other_properties_do_not_change_a_verdict() {
             };
             assert_eq!(verdict_of(&verified(&other, &only), "c0"), expected);
         }
+    }
+}
+
+/// The states are the same; only what follows from their inputs differs.
+#[test]
+fn properties_without_inputs_need_no_exploration_of_their_own() {
+    let text = copying(&["ex(p)", "ag(left implies ax(p))"]);
+    for without_grounding in [false, true] {
+        let options = Options {
+            without_grounding,
+            ..Options::default()
+        };
+        let mut begun = 0;
+        let verification = verify(open(&text), &options, &mut |progress| {
+            begun += u32::from(progress.states == 1 && progress.explored == 0);
+            true
+        });
+        let verification = verification.unwrap();
+        assert_eq!(verdict_of(&verification, "c0"), "holds");
+        assert_eq!(verdict_of(&verification, "c1"), "holds");
+        assert_eq!(begun, 1, "without grounding: {without_grounding}");
     }
 }
 

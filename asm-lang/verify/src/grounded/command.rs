@@ -36,10 +36,9 @@ pub(crate) enum NoSuccessor {
     Wider(u32, i64),
 }
 
-/// A step under a condition.
+/// A step.
 #[derive(Clone, Debug)]
 pub(crate) struct Command<const W: usize> {
-    pub when: WordCondition<W>,
     /// Bits that remain as they are.
     keep: Words<W>,
     /// Bits that are set.
@@ -133,7 +132,6 @@ impl<const W: usize> Command<W> {
             computed.push((*variable, field.clone(), next));
         }
         Self {
-            when: WordCondition::of(division, &case.when),
             keep,
             set,
             computed: computed.into(),
@@ -197,11 +195,11 @@ pub(crate) struct StepCode<const W: usize> {
     pub commands: Vec<Command<W>>,
     /// Variables that each of `commands` accesses, in the same order.
     pub accesses: Vec<CommandAccesses>,
-    /// The conditions of `commands`.
+    /// The conditions under which `commands` are executed.
     pub index: ConditionIndex<W>,
     /// Commands without updates.
     pub idle: Vec<Command<W>>,
-    /// The conditions of `idle`.
+    /// The conditions under which `idle` are executed.
     pub idle_index: ConditionIndex<W>,
     /// Alternatives that are executed part by part, each with the number of commands before it.
     pub interpreted: Vec<(usize, GroundAlternative)>,
@@ -215,6 +213,7 @@ impl<const W: usize> StepCode<W> {
         fair: &FairMoves,
     ) -> Self {
         let division = Division { layout };
+        let (mut conditions, mut idle_conditions) = (Vec::new(), Vec::new());
         let mut code = Self {
             commands: Vec::new(),
             accesses: Vec::new(),
@@ -231,11 +230,14 @@ impl<const W: usize> StepCode<W> {
                         let chosen = alternative.choices.iter();
                         let chosen = chosen.map(|choice| (choice.origin, &*choice.chosen));
                         command.moved = fair.of_step(chosen, &case.counters);
+                        let when = WordCondition::of(&division, &case.when);
                         if command.has_updates {
+                            conditions.push(when);
                             code.commands.push(command);
                             let reads = |term: &GroundTerm| division.reads(term);
                             code.accesses.push(CommandAccesses::of(&case, reads));
                         } else {
+                            idle_conditions.push(when);
                             code.idle.push(command);
                         }
                     }
@@ -246,12 +248,8 @@ impl<const W: usize> StepCode<W> {
                 }
             }
         }
-        let conditions = |commands: &[Command<W>]| {
-            let conditions: Vec<&WordCondition<W>> = commands.iter().map(|it| &it.when).collect();
-            ConditionIndex::of(layout, &conditions)
-        };
-        code.index = conditions(&code.commands);
-        code.idle_index = conditions(&code.idle);
+        code.index = ConditionIndex::of(layout, conditions);
+        code.idle_index = ConditionIndex::of(layout, idle_conditions);
         code
     }
 }
@@ -269,9 +267,9 @@ pub(crate) enum GroundTruth {
 /// A condition as code.
 pub(crate) enum ConditionCode<const W: usize> {
     /// False where one of these holds, otherwise true.
-    FalseIf(Vec<WordCondition<W>>),
+    FalseIf(ConditionIndex<W>),
     /// True where one of these holds, otherwise false.
-    TrueIf(Vec<WordCondition<W>>),
+    TrueIf(ConditionIndex<W>),
     /// Evaluated part by part.
     Term(GroundTerm),
 }
@@ -295,7 +293,7 @@ impl<const W: usize> CompiledCondition<W> {
         let conditions = |wanted| {
             let truths = division.truths(term, wanted).ok()?;
             let words = truths.iter().map(|it| WordCondition::of(&division, it));
-            (truths.len() <= 128).then(|| words.collect::<Vec<WordCondition<W>>>())
+            (truths.len() <= 128).then(|| ConditionIndex::of(layout, words.collect()))
         };
         // the cases of truth and falsehood tell the values apart only if there is no third
         let code = if division.is_total(term) {
@@ -329,8 +327,8 @@ impl<const W: usize> CompiledCondition<W> {
             }
         };
         match &self.code {
-            ConditionCode::FalseIf(any) => of(!any.iter().any(|it| it.holds(state))),
-            ConditionCode::TrueIf(any) => of(any.iter().any(|it| it.holds(state))),
+            ConditionCode::FalseIf(any) => of(!any.holds(state)),
+            ConditionCode::TrueIf(any) => of(any.holds(state)),
             ConditionCode::Term(term) => {
                 layout.decode(state, numbers);
                 match evaluate(term, numbers, &mut Closed) {

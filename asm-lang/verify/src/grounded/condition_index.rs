@@ -78,7 +78,7 @@ pub(crate) struct ConditionIndex<const W: usize> {
 }
 
 impl<const W: usize> ConditionIndex<W> {
-    pub fn of(layout: &WordLayout, conditions: &[&WordCondition<W>]) -> Self {
+    pub fn of(layout: &WordLayout, conditions: Vec<WordCondition<W>>) -> Self {
         let words = conditions.len().div_ceil(64);
         let reads: Vec<Words<W>> = conditions.iter().map(|it| it.reads()).collect();
         let mut windows = windows(layout, words, &reads);
@@ -91,9 +91,9 @@ impl<const W: usize> ConditionIndex<W> {
             words,
             windows: Vec::new(),
             sets: Vec::new(),
-            all: set_of(conditions, |_| true),
+            all: set_of(&conditions, |_| true),
             undecided: Vec::new(),
-            conditions: conditions.iter().map(|it| (*it).clone()).collect(),
+            conditions: Vec::new(),
         };
         for window in windows {
             if index.sets.len() + window.codes() * words > MAX_WORDS {
@@ -102,14 +102,26 @@ impl<const W: usize> ConditionIndex<W> {
             index.windows.push((window, index.sets.len()));
             for code in 0..window.codes() as u64 {
                 let state = window.state(code);
-                let permitted = set_of(conditions, |it| it.is_possible(&window.mask(), &state));
+                let permitted = set_of(&conditions, |it| it.is_possible(&window.mask(), &state));
                 index.sets.extend(permitted);
             }
         }
         let masks = index.windows.iter().map(|(window, _)| window.mask());
         let masks: Vec<Words<W>> = masks.collect();
-        index.undecided = set_of(conditions, |it| !it.is_decided_by(&masks));
+        index.undecided = set_of(&conditions, |it| !it.is_decided_by(&masks));
+        index.conditions = conditions;
         index
+    }
+
+    /// Number of conditions.
+    pub fn len(&self) -> usize {
+        self.conditions.len()
+    }
+
+    /// Returns `true` if one of the conditions holds in a state.
+    #[inline]
+    pub fn holds(&self, state: &Words<W>) -> bool {
+        self.held(state).next().is_some()
     }
 
     /// Returns the conditions that hold in a state, in order.
@@ -178,7 +190,8 @@ fn windows<const W: usize>(layout: &WordLayout, words: usize, reads: &[Words<W>]
     for field in fields {
         let own = Window::of(field);
         let joined = windows.last().and_then(|last| last.up_to(own));
-        let joined = joined.filter(|it| it.bits <= MAX_BITS && it.codes() * words <= MAX_WINDOW_WORDS);
+        let joined =
+            joined.filter(|it| it.bits <= MAX_BITS && it.codes() * words <= MAX_WINDOW_WORDS);
         match (windows.last_mut(), joined) {
             (Some(last), Some(joined)) => *last = joined,
             _ => windows.push(own),
@@ -189,7 +202,7 @@ fn windows<const W: usize>(layout: &WordLayout, words: usize, reads: &[Words<W>]
 
 /// Returns the set of the conditions that have a property.
 fn set_of<const W: usize>(
-    conditions: &[&WordCondition<W>],
+    conditions: &[WordCondition<W>],
     is_in: impl Fn(&WordCondition<W>) -> bool,
 ) -> Vec<u64> {
     let mut set = vec![0; conditions.len().div_ceil(64)];
@@ -199,4 +212,102 @@ fn set_of<const W: usize>(
         }
     }
     set
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grounded::case::{Conjunction, Division, Literal, Requirement};
+    use asmotion_ground::GroundTerm;
+
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, count: u64) -> u64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (self.0 >> 33) % count
+        }
+    }
+
+    /// Fields of one to ten bits in two words.
+    fn layout() -> WordLayout {
+        let mut fields = Vec::new();
+        let (mut word, mut shift) = (0, 0);
+        for bits in [1, 2, 10, 3, 1, 8, 6, 9, 4, 7, 5, 10, 2, 1, 3, 8] {
+            if shift + bits > 64 {
+                (word, shift) = (word + 1, 0);
+            }
+            fields.push(Field {
+                word,
+                shift,
+                mask: (1 << bits) - 1,
+                low: 0,
+                count: (1 << bits) - 1,
+                may_be_undef: bits % 2 == 0,
+            });
+            shift += bits;
+        }
+        let words = word + 1;
+        WordLayout { fields, words }
+    }
+
+    fn random_condition(layout: &WordLayout, random: &mut Random) -> WordCondition<2> {
+        let mut when = Conjunction::default();
+        for _ in 0..random.below(4) {
+            let variable = random.below(layout.fields.len() as u64) as u32;
+            let codes = layout.fields[variable as usize].codes();
+            let possible = if random.below(2) == 0 {
+                let only = random.below(codes);
+                (0..codes).map(|code| code == only).collect()
+            } else {
+                (0..codes).map(|_| random.below(4) > 0).collect()
+            };
+            when.codes.insert(variable, possible);
+        }
+        let narrow = [0, 1, 3, 4, 8, 12, 13, 14];
+        for _ in 0..random.below(3) {
+            let mut pair = [0; 2].map(|_| narrow[random.below(8) as usize]);
+            pair.sort_unstable();
+            let [left, right] = pair.map(|it| Box::new(GroundTerm::Variable(it)));
+            when.literals.push(Literal {
+                variables: if pair[0] == pair[1] {
+                    vec![pair[0]]
+                } else {
+                    pair.to_vec()
+                },
+                term: GroundTerm::Equal(left, right),
+                requirement: [Requirement::True, Requirement::False][random.below(2) as usize],
+            });
+        }
+        WordCondition::of(&Division { layout }, &when)
+    }
+
+    #[test]
+    fn it_returns_the_conditions_that_hold() {
+        let (layout, mut random) = (layout(), Random(7));
+        assert_eq!(layout.words, 2);
+        let mut held = 0;
+        for count in [0, 1, 2, 63, 64, 65, 400, 5000] {
+            let conditions = (0..count).map(|_| random_condition(&layout, &mut random));
+            let conditions: Vec<WordCondition<2>> = conditions.collect();
+            let index = ConditionIndex::of(&layout, conditions.clone());
+            for _ in 0..300 {
+                let mut state = [0; 2];
+                for field in &layout.fields {
+                    field.set(&mut state, random.below(field.codes()));
+                }
+                let expected: Vec<usize> = (0..count)
+                    .filter(|number| conditions[*number].holds(&state))
+                    .collect();
+                held += expected.len();
+                assert_eq!(index.holds(&state), !expected.is_empty());
+                assert_eq!(index.held(&state).collect::<Vec<_>>(), expected);
+            }
+        }
+        // neither none nor all
+        assert!((10_000..1_000_000).contains(&held), "{held}");
+    }
 }

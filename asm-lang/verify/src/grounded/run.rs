@@ -3,7 +3,7 @@
 use super::cases::InputCases;
 use super::command::{CompiledCondition, ConditionCode, GroundTruth, StepCode};
 use super::independence::Independence;
-use super::layout::{WordLayout, Words};
+use super::layout::{WordLayout, Words, word_of};
 use super::machine_steps::{NotWords, WordMachine};
 use super::shared_steps::find_shared;
 use super::steps::{GroundedSteps, KnownNodes, ReachedWords, StateSteps};
@@ -496,9 +496,9 @@ impl<const W: usize> GroundedRun<'_, W> {
         };
         let layout = self.request.layout;
         let known = parent.and_then(|(parent, before)| {
-            let words = state.iter().zip(before).zip(&condition.reads);
-            let changed = words.fold(0, |all, ((now, before), reads)| {
-                all | (now ^ before) & reads
+            let words = state.iter().enumerate();
+            let changed = words.fold(0, |all, (index, now)| {
+                all | (now ^ word_of(before, index)) & word_of(&condition.reads, index)
             });
             let truth = self.found.truths.get(index)?.get(parent);
             // a part of a term may also have been undef, which counts as false

@@ -218,7 +218,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         }
         self.interpreted_steps(state, interpreted, usize::MAX)?;
         if self.request.options.keeps_edges && !self.successors.is_idle {
-            self.successors.is_idle = self.code.idle_index.held(state).next().is_some();
+            self.successors.is_idle = self.code.idle_index.holds(state);
         }
         self.cover(state);
         Ok(())
@@ -245,7 +245,15 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         {
             next += 1;
             let (grounded, layout) = (request.grounded, request.layout);
-            alternative_step(grounded, layout, alternative, state, numbers, updates, successors)?;
+            alternative_step(
+                grounded,
+                layout,
+                alternative,
+                state,
+                numbers,
+                updates,
+                successors,
+            )?;
         }
         Ok(next)
     }
