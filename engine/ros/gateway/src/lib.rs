@@ -56,5 +56,7 @@ pub use ros1::{Ros1Settings, Ros1Transport};
 #[cfg(feature = "ros2")]
 pub use ros2::{Ros2Settings, Ros2Transport};
 pub use shown::{ComponentDisplay, ShownComponent};
-pub use transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
+pub use transport::{
+    ConnectionState, MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport,
+};
 pub use wake::{CycleWakes, Wake};
