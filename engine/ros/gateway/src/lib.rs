@@ -5,6 +5,7 @@
 //! [`RosTransport`] takes them to the nodes of ROS.
 
 mod bridge;
+mod bus_topic;
 mod calls;
 mod desk;
 mod echo;
@@ -46,6 +47,7 @@ mod wake;
 
 pub use asmotion_bridge::FieldConverter;
 pub use bridge::RosBridge;
+pub use bus_topic::bus_topic;
 pub use desk::{
     ComponentDesk, ComponentWatch, DeskChange, DeskComponent, DeskOrder, PendingOrder, StateChange,
 };
