@@ -122,8 +122,8 @@ mod with_ros {
     };
 
     use super::{Catalogue, Component, Make, Plan};
-    use crate::bus_places::BusPlaces;
     use crate::build::ros_messages;
+    use crate::bus_places::BusPlaces;
     use crate::ros_host::own_host;
 
     pub(super) fn make(

@@ -169,7 +169,9 @@ fn driver(master: &Master) -> RospyNode {
     node.advertise("/cmd_vel", TWIST, 1);
     let vector = || json!({ "x": 0.0, "y": 0.0, "z": 0.0 });
     let twist = json!({ "linear": vector(), "angular": vector() });
-    node.obey(json!(["stream", "/cmd_vel", TWIST, twist, "linear.x", 1, RATE]));
+    node.obey(json!([
+        "stream", "/cmd_vel", TWIST, twist, "linear.x", 1, RATE
+    ]));
     node
 }
 

@@ -104,11 +104,7 @@ fn system(of_bridge: Activity, nap: Duration) -> (System, Shared) {
 }
 
 /// A bridge and a follower, one of whose cycles panics.
-fn with_panic(
-    of_bridge: Activity,
-    nap: Duration,
-    panics_at: Option<usize>,
-) -> (System, Shared) {
+fn with_panic(of_bridge: Activity, nap: Duration, panics_at: Option<usize>) -> (System, Shared) {
     let (mut system, told) = (System::new(), Shared::default());
     let of = Arc::clone(&told);
     let bridge = |interface: &mut Interface| -> Box<dyn Component> {

@@ -88,7 +88,10 @@ mod tests {
     fn a_topic_is_displayed_as_it_was_named() {
         for named in ["depot.map", "ex_2.a-b.ä", "x.xx", "2"] {
             let name = bus_topic("host:5672/ robots", named);
-            assert!(name.split('/').skip(1).all(|it| !it.contains("__")), "{name}");
+            assert!(
+                name.split('/').skip(1).all(|it| !it.contains("__")),
+                "{name}"
+            );
             assert_eq!(topic(&name).as_deref(), Some(named), "{name}");
             let text = format!("`/a` relays `{name}` to `/b` and more");
             let shown = format!("`/a` relays the topic `{named}` of the broker to `/b` and more");

@@ -25,7 +25,7 @@ pub struct Graph {
     /// For each endpoint of this node, the peers that match, and since when.
     matches: BTreeMap<Gid, BTreeMap<Gid, Instant>>,
     local: BTreeMap<Gid, Local>,
-    /// Participants whose lease has ended while they matched endpoints of this node, with the names of their nodes.
+    /// Participants whose lease has ended while they matched endpoints of this node beside the graph, with the names of their nodes.
     expired: BTreeMap<[u8; 12], Vec<String>>,
     /// With the time since which they wait.
     notices: VecDeque<(Instant, Notice)>,
@@ -227,7 +227,9 @@ impl Graph {
         let nodes: Vec<String> = nodes.collect();
         self.nodes.retain(|gid, _| !is_lost(gid));
         self.lost(|gid| is_lost(&gid));
-        if is_expired && !topics.is_empty() && self.expired.len() < MOST_EXPIRED {
+        // every node follows the graph
+        let is_reached = topics.iter().any(|it| it != names::GRAPH);
+        if is_expired && is_reached && self.expired.len() < MOST_EXPIRED {
             self.expired.insert(prefix, nodes.clone());
         }
         self.notice(Notice::Lost {

@@ -87,14 +87,32 @@ mod tests {
         }
         history.push(11, 1);
         let found = history.overflow();
-        assert_eq!(found, Some(Overflow { before: 7, messages: 6 }));
+        assert_eq!(
+            found,
+            Some(Overflow {
+                before: 7,
+                messages: 6
+            })
+        );
         history.push(12, 100);
         let found = history.overflow();
-        assert_eq!(found, Some(Overflow { before: 11, messages: 4 }));
+        assert_eq!(
+            found,
+            Some(Overflow {
+                before: 11,
+                messages: 4
+            })
+        );
         // the depth is kept, whatever it takes
         history.push(13, 100);
         let found = history.overflow();
-        assert_eq!(found, Some(Overflow { before: 12, messages: 1 }));
+        assert_eq!(
+            found,
+            Some(Overflow {
+                before: 12,
+                messages: 1
+            })
+        );
         assert_eq!(history.overflow(), None);
         assert_eq!(history.clear(), Some(13));
         assert!(!history.is_long());

@@ -37,18 +37,53 @@ fn memory() -> usize {
     kilobytes / 1024
 }
 
+/// Runs a test of this file alone in a process, which gives large pieces of memory back at once. Returns `false` in that process.
+fn is_run_alone(test: &str) -> bool {
+    if std::env::var_os(ALONE).is_some() {
+        return false;
+    }
+    let status = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", &format!("standstill::{test}"), "--nocapture"])
+        .env(ALONE, "1")
+        .env("MALLOC_MMAP_THRESHOLD_", "65536")
+        .status();
+    assert!(status.unwrap().success());
+    true
+}
+
+/// Best-effort readers acknowledge nothing, and nothing is kept for them.
+#[test]
+fn a_best_effort_subscription_costs_little() {
+    if is_run_alone("a_best_effort_subscription_costs_little") {
+        return;
+    }
+    let Some(python) = python() else { return };
+    let domain = domain();
+    let string = named("std_msgs/msg/String");
+    let mut settings = topic_settings(domain, "/chatter", &string);
+    settings["reliable"] = false.into();
+    let peer = Peer::start(&python, "subscribe", &settings);
+    peer.expect("ready");
+    let node = node("talker", domain);
+    let publisher = node.publisher("/chatter", &string, Qos::default()).unwrap();
+    assert!(publisher.wait_for_matches(1, LONG));
+    let before = memory();
+    for sent in 1..=COUNT {
+        send(&publisher, sent);
+        peer.lines_for(Duration::from_millis(20));
+    }
+    wait("little memory", || {
+        peer.lines_for(Duration::from_millis(20));
+        (memory() < before + 15).then_some(())
+    });
+    assert_eq!(publisher.counts().released, 0);
+    assert!(node.take_notices().is_empty());
+}
+
 /// The others hear everything; it hears the newest when it goes on. What DDS keeps for it is bounded, before its lease ends.
 #[test]
 fn a_subscription_that_stands_still_costs_little_and_hears_the_newest_again() {
-    if std::env::var_os(ALONE).is_none() {
-        // large pieces of memory are given back at once
-        let status = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "standstill::a_subscription_that_stands_still_costs_little_and_hears_the_newest_again"])
-            .args(["--nocapture"])
-            .env(ALONE, "1")
-            .env("MALLOC_MMAP_THRESHOLD_", "65536")
-            .status();
-        assert!(status.unwrap().success());
+    if is_run_alone("a_subscription_that_stands_still_costs_little_and_hears_the_newest_again") {
         return;
     }
     let Some(python) = python() else { return };
