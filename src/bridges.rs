@@ -1,5 +1,7 @@
 //! Components that join a composite with ROS.
 
+use std::collections::BTreeMap;
+
 use asmotion_assembly::Make;
 use asmotion_composite::Catalogue;
 use asmotion_composite::model::BuiltinComponent;
@@ -7,6 +9,7 @@ use asmotion_datum::Word as _;
 use asmotion_plan::{Component, Implementation, Plan};
 use asmotion_runtime::{Run, System};
 
+use crate::broker::BrokerSettings;
 use crate::feature::without_bridges;
 
 /// The ros-bridges of a mission, and the components that they show to ROS.
@@ -14,9 +17,25 @@ use crate::feature::without_bridges;
 pub(crate) struct Bridges {
     #[cfg(feature = "ros")]
     desk: crate::ros_desk::RosDesk,
+    #[cfg(feature = "ros")]
+    buses: crate::bus_places::BusPlaces,
 }
 
 impl Bridges {
+    /// The bridges of a mission of this name with these brokers, by name; without a name if one carries everything.
+    pub(crate) fn on(brokers: &BTreeMap<Option<&str>, &BrokerSettings>, composite: &str) -> Self {
+        #[cfg(feature = "ros")]
+        return Self {
+            buses: crate::bus_places::BusPlaces::of(brokers, composite),
+            ..Self::default()
+        };
+        #[cfg(not(feature = "ros"))]
+        {
+            let _ = (brokers, composite);
+            Self::default()
+        }
+    }
+
     /// Returns the constructor of a ros-bridge, as [`make`] does.
     pub(crate) fn make(
         &self,
@@ -76,7 +95,7 @@ fn make_in(
     #[cfg(feature = "ros")]
     {
         let desk = bridges.desk.components();
-        with_ros::make(catalogue, component, plan, (bridge, desk))
+        with_ros::make(catalogue, component, plan, bridge, (desk, &bridges.buses))
     }
     #[cfg(not(feature = "ros"))]
     {
@@ -87,6 +106,7 @@ fn make_in(
 
 #[cfg(feature = "ros")]
 mod with_ros {
+    use std::collections::BTreeSet;
     use std::time::Duration;
 
     use asmotion_component::Interface;
@@ -103,19 +123,21 @@ mod with_ros {
 
     use super::{Catalogue, Component, Make, Plan};
     use crate::build::ros_messages;
+    use crate::bus_places::BusPlaces;
     use crate::ros_host::own_host;
 
     pub(super) fn make(
         catalogue: &dyn Catalogue,
         component: &Component,
         plan: &Plan,
-        (bridge, desk): (&Bridge, ComponentDesk),
+        bridge: &Bridge,
+        (desk, buses): (ComponentDesk, &BusPlaces),
     ) -> Option<Make> {
         let node = bridge.node.clone();
         let node = node.unwrap_or_else(|| node_name(component, plan));
         let transport = match bridge.kind {
-            BridgeKind::Ros1 => ros1(node, bridge, relays(component)),
-            BridgeKind::Ros2 => ros2(node, bridge, relays(component)),
+            BridgeKind::Ros1 => ros1(node, bridge, relays(component, plan, buses)),
+            BridgeKind::Ros2 => ros2(node, bridge, relays(component, plan, buses)),
             BridgeKind::Rosbridge => return None,
         };
         let (mut mapped, mut operations) = (Vec::new(), Vec::new());
@@ -190,9 +212,11 @@ mod with_ros {
     }
 
     /// The topics of ROS whose messages a bridge brings to a topic from which it sends them to another topic of ROS, with that one.
-    fn relays(component: &Component) -> Vec<(String, String)> {
+    /// So are the topics of ROS that it brings to a topic on a bus, and those to which it sends one from there.
+    fn relays(component: &Component, plan: &Plan, buses: &BusPlaces) -> Vec<(String, String)> {
         let mut brought = Vec::new();
         let mut sent = Vec::new();
+        let mut abroad = BTreeSet::new();
         for entry in &component.special.map {
             let PlannedMapEntry::Ros(entry) = entry else {
                 continue;
@@ -205,6 +229,11 @@ mod with_ros {
             if let Some(topic) = port.and_then(|port| port.topic.as_ref()) {
                 entries.push((topic, &entry.ros));
             }
+            let outside = buses.of_port(plan, component, &entry.from);
+            abroad.extend(outside.into_iter().map(|outside| match entry.direction {
+                Direction::FromRos => (entry.ros.clone(), outside),
+                Direction::ToRos => (outside, entry.ros.clone()),
+            }));
         }
         let pairs = brought.iter().flat_map(|(topic, from)| {
             let onward = sent
@@ -212,7 +241,7 @@ mod with_ros {
                 .filter(move |(same, to)| same == topic && to != from);
             onward.map(move |(_, to)| ((*from).clone(), (*to).clone()))
         });
-        pairs.collect()
+        pairs.chain(abroad).collect()
     }
 
     /// The components that a bridge shows: one entry for each name in ROS.

@@ -106,6 +106,15 @@ impl BrokerSettings {
         }
     }
 
+    /// Returns what identifies the broker, and what separates topics on it, on all machines that reach it by the same address.
+    #[cfg(feature = "ros")]
+    pub fn place(&self) -> String {
+        match self {
+            Self::Amqp(settings) => amqp::place(settings),
+            Self::Added(added) => on_this_machine(&added.location()),
+        }
+    }
+
     /// Connects to the broker for a process of a robot, within a limit of time if the transport permits. Returns the broker's
     /// address and the bus.
     ///
@@ -149,6 +158,21 @@ impl BrokerSettings {
                 (location, remote)
             }
         }
+    }
+}
+
+/// The address of a broker with the name of this machine, in place of names that every machine has.
+#[cfg(feature = "ros")]
+fn on_this_machine(address: &str) -> String {
+    let machine = || {
+        let files = ["/etc/machine-id", "/proc/sys/kernel/hostname"];
+        let found = files.iter().find_map(|it| std::fs::read_to_string(it).ok());
+        found.unwrap_or_default().trim().to_owned()
+    };
+    let local = ["localhost", "127.0.0.1", "[::1]"];
+    match local.iter().find(|it| address.contains(**it)) {
+        Some(host) => address.replacen(host, &machine(), 1),
+        None => address.to_owned(),
     }
 }
 

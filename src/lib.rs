@@ -8,6 +8,8 @@ mod bridges;
 mod brief;
 mod broker;
 mod build;
+#[cfg(feature = "ros")]
+mod bus_places;
 pub mod codes;
 mod command;
 pub mod contract;

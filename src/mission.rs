@@ -252,7 +252,7 @@ impl Mission {
             awaited_updates(plan, self.unless.as_deref(), "FAILED")?,
         )
         .tolerating(&self.may_fail);
-        let mut bridges = Bridges::default();
+        let mut bridges = Bridges::on(&self.brokers.settings(), &plan.name);
         let catalogue = self.build.catalogue();
         let mut builtins = |component: &_, plan: &_| {
             let robot = robots.make(component, plan);

@@ -60,6 +60,7 @@ mod ros_case;
 mod ros_folders;
 mod ros_frames;
 mod ros_kills;
+mod ros_lent;
 mod ros_parameters;
 mod ros_versions;
 mod routes;

@@ -161,6 +161,65 @@ fn r10_two_processes_that_relay_in_opposite_directions_do_not_storm() {
     }
 }
 
+/// Two composites of one robot: one brings a topic of ROS to the broker, and the other one brings it back.
+#[test]
+fn r10_a_circle_over_a_broker_is_noticed_in_ros_2() {
+    let Some(python) = python() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let (vhost, place, domain) = (
+        broker.vhost().unwrap(),
+        tempfile::tempdir().unwrap(),
+        domain(),
+    );
+    let start = |name: &str, ports: &str, direction: &str| {
+        let text = format!(
+            r#"schema = "composite/1"
+
+[composite]
+name = "{name}"
+
+[bridges.ros]
+kind = "ros2"
+
+[components.RosBridge]
+implementation = {{ builtin = "ros-bridge", bridge = "ros" }}
+activity = {{ period_ms = 0 }}
+{ports} = {{ word = "std_msgs/String" }}
+map = [{{ from = "word", ros = "/a", type = "std_msgs/String", direction = "{direction}" }}]
+"#
+        );
+        let path = place.path().join(format!("{name}.composite.toml"));
+        std::fs::write(&path, text).unwrap();
+        let mut command = run(&path, domain);
+        command.args(["--robot", "rover"]);
+        let mission = Mission::spawn(through(command, &broker, &vhost, None));
+        mission.line(&format!("joined the ROS 2 domain {domain}"));
+        mission
+    };
+    let taker = start("taker", "publish", "from_ros");
+    let _bringer = start("bringer", "subscribe", "to_ros");
+    let mut one = CycloneNode::start(&python, domain, "one");
+    let mut other = CycloneNode::start(&python, domain, "other");
+    other.subscribe("/a", TEXT, TopicPolicies::default());
+    // the listener and the taker, then the speaker and the bringer
+    one.advertise("/a", TEXT, TopicPolicies::default(), 2);
+    other.await_publishers("/a", 2);
+    for text in ["first", "second"] {
+        one.publish("/a", &word(text));
+        let heard = [other.message("/a"), other.message("/a")];
+        assert_eq!(heard, [word(text), word(text)]);
+        if text == "first" {
+            let line = taker.line("messages would go round");
+            let expected = "relays the topic `rover.word` of the broker to `/a`, and this node `/a` to the topic `rover.word` of the broker";
+            assert!(line.contains(expected), "{line}");
+        }
+    }
+    let more = other.try_message("/a", Duration::from_millis(500));
+    assert_eq!(more, None);
+}
+
 #[test]
 fn r10_three_processes_that_relay_in_a_circle_do_not_storm_in_ros_2() {
     let Some(python) = python() else { return };
@@ -240,6 +299,15 @@ fn r10_a_subscriber_of_ros_2_that_stops_reading_delays_no_other() {
     );
     for number in 60..120 {
         pass(&mut fast, number);
+    }
+    // it goes on, and is reached again
+    slow.go_on();
+    let line = mission.line("answers again");
+    assert!(line.contains("`/slow`"), "{line}");
+    let begun = std::time::Instant::now();
+    while slow.try_message("/out", Duration::from_millis(200)) != Some(word("again")) {
+        assert!(begun.elapsed() < Duration::from_secs(60));
+        fast.publish("/in", &word("again"));
     }
 }
 

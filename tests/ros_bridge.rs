@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 use asmotion_ros_master::{Master, SOON};
 use serde_json::json;
 
+use crate::processes::through;
+
 fn composite(folder: &str, name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/{folder}/{name}.composite.toml"))
 }
@@ -377,6 +379,85 @@ fn r10_three_processes_that_relay_in_a_circle_do_not_storm() {
         assert_eq!(other.waiting(topic), 0, "{topic}");
     }
     drop(second);
+}
+
+/// One robot brings a topic of ROS to the broker, another one that stands for its bridge brings it back: the first one does not
+/// receive it again.
+#[test]
+fn r10_a_circle_over_a_broker_is_noticed() {
+    let Some(master) = Master::start() else {
+        return;
+    };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let (vhost, place) = (broker.vhost().unwrap(), tempfile::tempdir().unwrap());
+    let start = |name: &str, rest: &str| {
+        let text = format!(
+            r#"schema = "composite/1"
+
+[composite]
+name = "{name}"
+
+[bridges.ros]
+kind   = "ros1"
+master = "${{ROS_MASTER_URI}}"
+
+[components.RosBridge]
+implementation = {{ builtin = "ros-bridge", bridge = "ros" }}
+activity  = {{ period_ms = 0 }}
+{rest}"#
+        );
+        let path = place.path().join(format!("{name}.composite.toml"));
+        std::fs::write(&path, text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command.arg("run").arg(&path);
+        command.args(["--clock", "wall", "--for", "120"]);
+        command.env("ROS_MASTER_URI", master.uri());
+        let mission = Mission::spawn(through(command, &broker, &vhost, None));
+        mission.line("registered at the ROS master");
+        mission
+    };
+    let north = start(
+        "north",
+        r#"publish = { word = "std_msgs/String" }
+map = [{ from = "word", ros = "/a", type = "std_msgs/String", direction = "from_ros" }]
+"#,
+    );
+    let _south = start(
+        "south",
+        r#"inputs = { word = "std_msgs/String" }
+map = [{ from = "word", ros = "/a", type = "std_msgs/String", direction = "to_ros" }]
+
+[components.North]
+implementation = { builtin = "remote", target = "robot://north/RosBridge" }
+
+[[connections]]
+from = "North.word"
+to   = "RosBridge.word"
+policy = { type = "buffer", size = 8 }
+"#,
+    );
+    let line = north.line("messages would go round");
+    let expected = "`/south_RosBridge` relays the topic `north.RosBridge.word` of the broker to `/a`, and this node `/a` to the topic \
+         `north.RosBridge.word` of the broker";
+    assert!(line.contains(expected), "{line}");
+    let (mut one, mut other) = (master.rospy("/one"), master.rospy("/other"));
+    one.advertise("/a", TEXT, 1);
+    other.subscribe("/a", TEXT);
+    // of the speaker and of the bridge in the south
+    other.obey(json!(["connections", "/a", 2]));
+    // of the listener and of the bridge in the north
+    one.obey(json!(["connections", "/a", 2]));
+    for text in ["first", "second"] {
+        one.publish("/a", TEXT, json!({"data": text}));
+        let mut heard = [other.message("/a"), other.message("/a")];
+        heard.sort_by(|one, other| one.1.cmp(&other.1));
+        let of = |node: &str| (json!({"data": text}), node.to_owned());
+        assert_eq!(heard, [of("/one"), of("/south_RosBridge")]);
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(other.waiting("/a"), 0);
 }
 
 #[test]

@@ -41,6 +41,12 @@ pub fn robot(settings: &AmqpSettings) -> Option<&str> {
 }
 
 /// Never called: there are no settings.
+#[cfg(feature = "ros")]
+pub fn place(settings: &AmqpSettings) -> String {
+    match *settings {}
+}
+
+/// Never called: there are no settings.
 pub fn connect(
     settings: &AmqpSettings,
     _: &str,

@@ -109,6 +109,13 @@ pub fn robot(settings: &AmqpSettings) -> Option<&str> {
     settings.robot.as_deref()
 }
 
+/// Returns what identifies a broker, and its exchange.
+#[cfg(feature = "ros")]
+pub fn place(settings: &AmqpSettings) -> String {
+    let location = super::on_this_machine(&settings.location());
+    format!("{location} {}", settings.exchange)
+}
+
 /// Connects to a broker for a process of a robot, within a limit of time. Returns the broker's address and the bus.
 ///
 /// # Errors

@@ -7,7 +7,7 @@ use std::thread::ThreadId;
 use std::time::{Duration, Instant};
 
 use asmotion_component::{
-    Activity, Component, Cycle, Fault, In, Interface, Out, Policy, Setup, Span, ThreadUse,
+    Activity, Component, Cycle, Fault, In, Interface, Out, Policy, Setup, Span, State, ThreadUse,
     Transition,
 };
 use asmotion_runtime::{Live, Run, System};
@@ -79,6 +79,8 @@ impl Drop for Bridge {
 struct Follower {
     input: In<Number>,
     nap: Duration,
+    /// The number of the cycle that panics.
+    panics_at: Option<usize>,
     told: Shared,
 }
 
@@ -87,13 +89,22 @@ impl Component for Follower {
         let _ = cycle.all(self.input).len();
         std::thread::sleep(self.nap);
         let mut told = self.told.lock().unwrap();
-        told.cycles.entry("Follower").or_default().push(here());
+        let cycles = told.cycles.entry("Follower").or_default();
+        cycles.push(here());
+        let count = cycles.len();
+        drop(told);
+        assert!(Some(count) != self.panics_at, "in a thread that is lent");
         Ok(())
     }
 }
 
 /// A bridge and a follower.
 fn system(of_bridge: Activity, nap: Duration) -> (System, Shared) {
+    with_panic(of_bridge, nap, None)
+}
+
+/// A bridge and a follower, one of whose cycles panics.
+fn with_panic(of_bridge: Activity, nap: Duration, panics_at: Option<usize>) -> (System, Shared) {
     let (mut system, told) = (System::new(), Shared::default());
     let of = Arc::clone(&told);
     let bridge = |interface: &mut Interface| -> Box<dyn Component> {
@@ -107,6 +118,7 @@ fn system(of_bridge: Activity, nap: Duration) -> (System, Shared) {
         Box::new(Follower {
             input,
             nap,
+            panics_at,
             told: of,
         })
     };
@@ -157,6 +169,26 @@ fn a_cycle_that_takes_long_runs_elsewhere() {
     lend_until(&told, "Follower", |it| it.len() >= 10);
     let told = told.lock().unwrap();
     assert!(!told.cycles["Follower"].contains(&here()));
+}
+
+/// It fails as elsewhere, and the thread goes on for the others.
+#[test]
+fn a_cycle_that_panics_leaves_the_lent_thread_to_the_others() {
+    const PANIC: usize = 40;
+    let (system, told) = with_panic(Activity::event(), Duration::ZERO, Some(PANIC));
+    let mut run = system.live();
+    lend_until(&told, "Follower", |it| it.len() >= PANIC);
+    run_until(&mut run, |run: &Live| {
+        run.state("Follower") == Some(State::Exception)
+    });
+    let before = told.lock().unwrap().cycles["Bridge"].len();
+    lend_until(&told, "Bridge", |it| {
+        it.len() > before + 20 && it.last() == Some(&here())
+    });
+    assert_eq!(told.lock().unwrap().cycles["Follower"].len(), PANIC);
+    // the run can be led on
+    run.transition("Follower", Transition::Cleanup).unwrap();
+    drop(run);
 }
 
 #[test]

@@ -21,7 +21,7 @@ use crate::open_connection::{OpenConnection, sum};
 use crate::operation::MappedOperation;
 use crate::outbound::Outbound;
 use crate::shown::{ComponentDisplay, ShownComponent};
-use crate::transport::{RosConnection, RosTransport};
+use crate::transport::{ConnectionState, RosConnection, RosTransport};
 use crate::wake::{CycleWakes, Wake};
 
 /// Joins topics and operations of a composite with topics, services and actions of ROS.
@@ -221,6 +221,12 @@ impl RosBridge {
         Ok(open)
     }
 
+    /// Returns whether calls to ROS or from ROS have not ended.
+    fn has_calls(&self) -> bool {
+        self.calls.iter().any(CalledOperation::is_busy)
+            || self.offers.iter().any(OfferedOperation::is_busy)
+    }
+
     /// Losses of all mappings so far.
     fn losses(&self, open: &OpenConnection) -> Losses {
         let own = Losses {
@@ -297,7 +303,12 @@ impl Component for RosBridge {
         for notice in open.connection.notices() {
             cycle.report(NOTICE_REPORT, Datum::text(notice));
         }
-        if open.connection.is_broken() {
+        let joins_again = match open.connection.state() {
+            ConnectionState::Sound => false,
+            ConnectionState::Partial => !self.has_calls(),
+            ConnectionState::Broken => true,
+        };
+        if joins_again {
             open = self.join_again(open, cycle)?;
         }
         self.pass_messages(&mut open, cycle);

@@ -123,6 +123,11 @@ impl CalledOperation {
         })
     }
 
+    /// Returns whether calls have not ended.
+    pub(crate) fn is_busy(&self) -> bool {
+        !self.open.is_empty()
+    }
+
     /// Takes requests to ROS, and answers from there.
     pub(crate) fn update(
         &mut self,

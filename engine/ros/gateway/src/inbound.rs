@@ -20,6 +20,8 @@ pub(crate) struct Inbound {
     pub(crate) mapped: MappedTopic,
     port: Out<Datum>,
     conversion: Conversion,
+    /// A message, as it was decoded, is a sample.
+    is_alike: bool,
     pub(crate) traffic: Traffic,
     /// Messages that wait for transforms; `None` if their frame stays.
     frames: Option<FrameQueue>,
@@ -49,12 +51,17 @@ impl Inbound {
         let conversion = Conversion::between(ros_schema, &converted, Use::Fill);
         let conversion = conversion
             .ok_or_else(|| format!("`{}` of ROS does not become `{schema}`", mapped.kind))?;
+        let is_alike = mapped.converters.is_empty()
+            && mapped.transform.is_none()
+            && conversion == Conversion::Same
+            && schema.shape == ros_schema.shape;
         let doc = format!("from the ROS topic `{}`", mapped.ros);
         let port = interface.output_of(&mapped.port, schema.clone(), &doc);
         Ok(Self {
             mapped,
             port,
             conversion,
+            is_alike,
             traffic: Traffic::default(),
             frames,
             misfits: 0,
@@ -120,6 +127,9 @@ impl Inbound {
 
     /// The sample for a message of ROS.
     fn sample(&self, message: Datum) -> Result<Datum, String> {
+        if self.is_alike {
+            return Ok(message);
+        }
         let converted = self.conversion.convert(message);
         let mut converters = self.mapped.converters.iter();
         let sample = converters.try_fold(converted, |sample, it| it.to_here(sample))?;

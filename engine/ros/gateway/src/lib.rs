@@ -5,6 +5,7 @@
 //! [`RosTransport`] takes them to the nodes of ROS.
 
 mod bridge;
+mod bus_topic;
 mod calls;
 mod desk;
 mod echo;
@@ -46,6 +47,7 @@ mod wake;
 
 pub use asmotion_bridge::FieldConverter;
 pub use bridge::RosBridge;
+pub use bus_topic::bus_topic;
 pub use desk::{
     ComponentDesk, ComponentWatch, DeskChange, DeskComponent, DeskOrder, PendingOrder, StateChange,
 };
@@ -56,5 +58,7 @@ pub use ros1::{Ros1Settings, Ros1Transport};
 #[cfg(feature = "ros2")]
 pub use ros2::{Ros2Settings, Ros2Transport};
 pub use shown::{ComponentDisplay, ShownComponent};
-pub use transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
+pub use transport::{
+    ConnectionState, MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport,
+};
 pub use wake::{CycleWakes, Wake};

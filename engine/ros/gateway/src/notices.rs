@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::bus_topic::readable;
+
 /// Notices that wait for the next cycle of a bridge. A cause that repeats is reported once.
 #[derive(Default)]
 pub(crate) struct Notices(Mutex<KeptNotices>);
@@ -24,6 +26,7 @@ impl Notices {
 
     /// Keeps a notice, unless it repeats another. Returns whether it is new.
     pub(crate) fn keep(&self, text: String) -> bool {
+        let text = readable(&text);
         let mut kept = self.lock();
         if kept.reported.len() >= KEPT || !kept.reported.insert(text.clone()) {
             return false;

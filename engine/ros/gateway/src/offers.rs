@@ -71,6 +71,11 @@ impl OfferedOperation {
         })
     }
 
+    /// Returns whether calls have not ended.
+    pub(crate) fn is_busy(&self) -> bool {
+        !self.calls.is_empty()
+    }
+
     /// Takes requests from ROS, and answers to there.
     pub(crate) fn update(
         &mut self,

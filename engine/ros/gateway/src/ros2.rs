@@ -24,7 +24,9 @@ use crate::ros2_operations::{
 };
 use crate::ros2_relays::{AnnouncedRelays, Circles};
 use crate::shown::{ComponentDisplay, ShownComponent};
-use crate::transport::{MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport};
+use crate::transport::{
+    ConnectionState, MessageReceiver, MessageSender, RosConnection, RosMessage, RosTransport,
+};
 use crate::wake::{ArrivalFlag, CycleWakes, Wake};
 
 /// Settings of a node of ROS 2.
@@ -107,7 +109,7 @@ impl RosTransport for Ros2Transport {
             wake,
             arrivals,
             notices,
-            is_broken: false,
+            state: ConnectionState::Sound,
             memories: self.memories.clone(),
         }))
     }
@@ -120,8 +122,7 @@ struct Ros2Connection {
     wake: Wake,
     arrivals: ArrivalFlag,
     notices: Arc<Notices>,
-    /// Set when the threads of DDS have ended.
-    is_broken: bool,
+    state: ConnectionState,
     memories: Memories,
 }
 
@@ -213,7 +214,13 @@ impl RosConnection for Ros2Connection {
         if !new.is_empty() {
             let graph = self.node.graph();
             for notice in new {
-                self.is_broken |= notice == Notice::Interrupted;
+                if notice == Notice::Interrupted {
+                    self.state = ConnectionState::Broken;
+                } else if matches!(notice, Notice::Returned { .. })
+                    && self.state == ConnectionState::Sound
+                {
+                    self.state = ConnectionState::Partial;
+                }
                 // a peer that comes back is judged again, and each gap is an event of its own
                 if matches!(notice, Notice::Lost { .. } | Notice::Deadline { .. }) {
                     self.notices.forget();
@@ -226,8 +233,8 @@ impl RosConnection for Ros2Connection {
         self.notices.take()
     }
 
-    fn is_broken(&self) -> bool {
-        self.is_broken
+    fn state(&self) -> ConnectionState {
+        self.state
     }
 }
 
@@ -296,13 +303,34 @@ fn text(notice: &Notice, graph: &Graph) -> Option<String> {
                 return None;
             }
             let topics: Vec<_> = topics.iter().map(|it| format!("`{}`", ros(it))).collect();
-            let who = match &nodes[..] {
-                [] => "a peer".to_owned(),
-                nodes => format!("`{}`", nodes.join("`, `")),
-            };
+            let who = named(nodes);
             format!("{who} no longer answers: lost on {}", topics.join(", "))
         }
+        Notice::Returned { nodes, .. } => format!(
+            "{} answers again: the bridge joins again as soon as no call is under way",
+            named(nodes)
+        ),
+        Notice::Unacknowledged { topic, readers } => {
+            let nodes: Vec<String> = readers.iter().filter_map(|it| graph.node_of(*it)).collect();
+            let who = match &nodes[..] {
+                [] => "a subscriber".to_owned(),
+                [node] => format!("`{node}`"),
+                nodes => format!("one of `{}`", nodes.join("`, `")),
+            };
+            format!(
+                "`{}`: {who} does not acknowledge messages in time; older ones are no longer kept for it",
+                ros(topic)
+            )
+        }
     })
+}
+
+/// Nodes in words.
+fn named(nodes: &[String]) -> String {
+    match nodes {
+        [] => "a peer".to_owned(),
+        nodes => format!("`{}`", nodes.join("`, `")),
+    }
 }
 
 /// The type of ROS for a type of DDS.
@@ -323,8 +351,10 @@ impl MessageSender for Ros2Sender {
     }
 
     fn losses(&self) -> Losses {
+        let counts = self.0.counts();
         Losses {
-            dropped: self.0.counts().dropped,
+            // not kept for a subscriber that does not acknowledge
+            dropped: counts.dropped + counts.released,
             misfits: 0,
         }
     }

@@ -83,11 +83,21 @@ pub trait RosConnection: Send {
     /// Takes the events in the life of the node, for the person who runs the system.
     fn notices(&mut self) -> Vec<String>;
 
-    /// Returns whether the node may receive nothing any more, so that the bridge has to join again. It is known after
-    /// [`notices`](Self::notices).
-    fn is_broken(&self) -> bool {
-        false
+    /// Returns whether the bridge has to join again. It is known after [`notices`](Self::notices).
+    fn state(&self) -> ConnectionState {
+        ConnectionState::Sound
     }
+}
+
+/// What a bridge has to do about its connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConnectionState {
+    /// Nothing.
+    Sound,
+    /// A peer is not reached; the bridge joins again when no call is under way.
+    Partial,
+    /// The node may receive nothing any more; the bridge joins again at once.
+    Broken,
 }
 
 /// Sends the messages of a topic.

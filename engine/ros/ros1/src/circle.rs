@@ -1,7 +1,8 @@
 //! Circles of relays of several nodes: what this node would receive comes, through others, from what it relays itself.
 //!
 //! Before this node receives from a publisher that relays, it follows the relays backwards: the master knows who publishes the
-//! topics that they come from, and a node of this library tells its relays when it is asked ([`METHOD`]). A node registers its
+//! topics that they come from, and a node of this library tells its relays when it is asked ([`METHOD`]). A topic that nobody
+//! publishes may be one outside ROS, such as that of a broker: all subscribers are asked who relays to it. A node registers its
 //! publishers before its subscriptions. So the last node of a circle that registers finds all others, and does not receive; the
 //! circle is open there.
 
@@ -33,10 +34,12 @@ pub(crate) async fn longer_circle(
         return None;
     }
     let state = context.master("getSystemState", &[]).await.ok()?;
-    let [publishers, ..] = state.as_array()? else {
+    let [publishers, subscribers, ..] = state.as_array()? else {
         return None;
     };
-    let publishers = named_lists(publishers)?;
+    let (publishers, subscribers) = (named_lists(publishers)?, named_lists(subscribers)?);
+    let subscribers = subscribers.iter().flat_map(|(_, nodes)| nodes);
+    let subscribers: BTreeSet<&String> = subscribers.collect();
     // ways back from the topic, each with the topic that comes last
     let mut ways: VecDeque<Vec<String>> = seen.iter().map(|it| vec![it.clone()]).collect();
     while let Some(way) = ways.pop_front() {
@@ -44,9 +47,12 @@ pub(crate) async fn longer_circle(
         if onward.contains(&**last) {
             return Some(reason(topic, header, &way));
         }
-        let nodes = publishers.iter().find(|(name, _)| name == last);
-        let nodes = nodes.into_iter().flat_map(|(_, nodes)| nodes);
-        for node in nodes.take(PUBLISHERS) {
+        let known = publishers.iter().find(|(name, _)| name == last);
+        let nodes: Vec<&String> = match known {
+            Some((_, nodes)) => nodes.iter().collect(),
+            None => subscribers.iter().copied().collect(),
+        };
+        for node in nodes.into_iter().take(PUBLISHERS) {
             for from in relayed_by(context, node, last).await {
                 if seen.len() < TOPICS && seen.insert(from.clone()) {
                     let longer = way.iter().cloned().chain([from]);

@@ -9,10 +9,11 @@ use crate::endpoint::RemoteNode;
 use crate::error::EndpointError;
 use crate::gid::Gid;
 use crate::graph::SharedGraph;
+use crate::names;
 use crate::reactor::{Incoming, Sink};
 
-/// The topic of DDS; it has no prefix.
-pub(crate) const TOPIC: &str = "ros_discovery_info";
+/// The topic of DDS.
+pub(crate) const TOPIC: &str = names::GRAPH;
 /// The type of DDS.
 pub(crate) const TYPE: &str = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
 

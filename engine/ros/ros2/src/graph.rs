@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use rustdds::{DomainParticipantStatusEvent, EndpointDescription, GUID, QosPolicies};
+use rustdds::{DomainParticipantStatusEvent, EndpointDescription, GUID, LostReason, QosPolicies};
 
 use crate::endpoint::{Endpoint, EndpointKind, RemoteNode};
 use crate::gid::Gid;
 use crate::names;
 use crate::notice::{Notice, Waker};
-use crate::qos::Qos;
+use crate::qos::{Qos, Reliability};
 
 /// All peers and endpoints, at one moment.
 #[derive(Debug, Clone, Default)]
@@ -25,6 +25,8 @@ pub struct Graph {
     /// For each endpoint of this node, the peers that match, and since when.
     matches: BTreeMap<Gid, BTreeMap<Gid, Instant>>,
     local: BTreeMap<Gid, Local>,
+    /// Participants whose lease has ended while they matched endpoints of this node beside the graph, with the names of their nodes.
+    expired: BTreeMap<[u8; 12], Vec<String>>,
     /// With the time since which they wait.
     notices: VecDeque<(Instant, Notice)>,
 }
@@ -43,6 +45,14 @@ const MOST_NOTICES: usize = 64;
 const NAMING: Duration = Duration::from_millis(500);
 /// Most endpoints of peers. A peer cannot fill the memory with endpoints that it invents.
 const MOST_ENDPOINTS: usize = 1 << 14;
+/// Most participants that are remembered after their lease has ended.
+const MOST_EXPIRED: usize = 256;
+
+/// The id of a participant in hexadecimal digits.
+fn in_digits(participant: [u8; 12]) -> String {
+    let digits = participant.iter().map(|byte| format!("{byte:02x}"));
+    digits.collect()
+}
 
 impl Graph {
     /// The number of peers that match an endpoint of this node.
@@ -54,6 +64,17 @@ impl Graph {
     pub(crate) fn matched(&self, local: Gid) -> impl Iterator<Item = (Gid, Instant)> {
         let found = self.matches.get(&local).into_iter().flatten();
         found.map(|(gid, since)| (*gid, *since))
+    }
+
+    /// The readers that match a writer of this node, of those that are reliable or not, as wanted. One that is not known is reliable.
+    pub(crate) fn readers(&self, writer: Gid, wanted: impl Fn(bool) -> bool) -> Vec<Gid> {
+        let is_reliable = |reader: &Gid| {
+            let known: Option<&Endpoint> = self.endpoints.get(reader);
+            known.is_none_or(|it| it.qos.reliability == Reliability::Reliable)
+        };
+        let all = self.matches.get(&writer).into_iter().flatten();
+        let all = all.map(|(reader, _)| *reader);
+        all.filter(|it| wanted(is_reliable(it))).collect()
     }
 
     /// The vendor of an endpoint's participant.
@@ -197,6 +218,27 @@ impl Graph {
         }
     }
 
+    fn participant_lost(&mut self, prefix: [u8; 12], is_expired: bool) {
+        let topics = self.topics_with(prefix);
+        self.vendors.remove(&prefix);
+        let is_lost = |gid: &Gid| gid.participant() == prefix;
+        let nodes = self.nodes.iter().filter(|(gid, _)| is_lost(gid));
+        let nodes = nodes.flat_map(|(_, nodes)| nodes.iter().map(RemoteNode::full_name));
+        let nodes: Vec<String> = nodes.collect();
+        self.nodes.retain(|gid, _| !is_lost(gid));
+        self.lost(|gid| is_lost(&gid));
+        // every node follows the graph
+        let is_reached = topics.iter().any(|it| it != names::GRAPH);
+        if is_expired && is_reached && self.expired.len() < MOST_EXPIRED {
+            self.expired.insert(prefix, nodes.clone());
+        }
+        self.notice(Notice::Lost {
+            participant: in_digits(prefix),
+            nodes,
+            topics,
+        });
+    }
+
     fn apply(&mut self, event: DomainParticipantStatusEvent) {
         use DomainParticipantStatusEvent as Event;
         #[expect(
@@ -207,25 +249,16 @@ impl Graph {
             Event::ParticipantDiscovered { dpd } => {
                 let participant = Gid::from(dpd.guid).participant();
                 self.vendors.insert(participant, dpd.vendor_id.as_bytes());
+                if let Some(nodes) = self.expired.remove(&participant) {
+                    let participant = in_digits(participant);
+                    self.notice(Notice::Returned { participant, nodes });
+                }
             }
-            Event::ParticipantLost { id, .. } => {
+            Event::ParticipantLost { id, reason } => {
                 let mut guid = GUID::GUID_UNKNOWN;
                 guid.prefix = id;
-                let prefix = Gid::from(guid).participant();
-                let topics = self.topics_with(prefix);
-                self.vendors.remove(&prefix);
-                let is_lost = |gid: &Gid| gid.participant() == prefix;
-                let nodes = self.nodes.iter().filter(|(gid, _)| is_lost(gid));
-                let nodes = nodes.flat_map(|(_, nodes)| nodes.iter().map(RemoteNode::full_name));
-                let nodes = nodes.collect();
-                self.nodes.retain(|gid, _| !is_lost(gid));
-                self.lost(|gid| is_lost(&gid));
-                let participant = prefix.iter().map(|byte| format!("{byte:02x}"));
-                self.notice(Notice::Lost {
-                    participant: participant.collect(),
-                    nodes,
-                    topics,
-                });
+                let is_expired = matches!(reason, LostReason::Timeout { .. });
+                self.participant_lost(Gid::from(guid).participant(), is_expired);
             }
             Event::ReaderDetected { reader } => self.detected(EndpointKind::Reader, reader),
             Event::WriterDetected { writer } => self.detected(EndpointKind::Writer, writer),

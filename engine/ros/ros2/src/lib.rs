@@ -27,6 +27,7 @@ mod entities;
 mod error;
 mod gid;
 mod graph;
+mod history;
 mod mapping;
 mod names;
 mod node;
@@ -38,6 +39,7 @@ mod publisher;
 mod qos;
 mod queue;
 mod reactor;
+mod release;
 mod service;
 mod subscription;
 

@@ -19,6 +19,8 @@ pub struct NameError {
 const LONGEST: usize = 255;
 /// What the names of topics begin with in DDS.
 pub(crate) const TOPIC: &str = "rt";
+/// The topic of DDS on which participants publish their nodes; it has no prefix.
+pub(crate) const GRAPH: &str = "ros_discovery_info";
 
 /// The name of a message type in DDS.
 pub(crate) fn message_type(of: &InterfaceName) -> String {

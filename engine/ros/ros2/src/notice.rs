@@ -58,6 +58,22 @@ pub enum Notice {
         /// The longest time between two messages.
         deadline: Duration,
     },
+    /// A subscription does not acknowledge the messages of a publisher, which no longer keeps them all for it. Noticed again after all
+    /// have acknowledged everything.
+    Unacknowledged {
+        /// The topic of DDS.
+        topic: String,
+        /// The reliable subscriptions that match, of which DDS does not tell which one it is.
+        readers: Vec<Gid>,
+    },
+    /// A participant whose lease had ended, and that matched endpoints of this node, is there again. RustDDS takes its endpoints,
+    /// which it announces anew, for those that it knows, and does not match them: a node that starts now does.
+    Returned {
+        /// The id of the participant's first 12 bytes, in hexadecimal digits.
+        participant: String,
+        /// Names of its nodes when it was lost, with their namespaces.
+        nodes: Vec<String>,
+    },
     /// A wait of this node was interrupted, as when its process is stopped and goes on. RustDDS ends its threads then: the node
     /// receives and sends nothing any more, and has to be started again.
     Interrupted,
@@ -79,7 +95,11 @@ impl Notice {
             Self::TypeHash { peer, .. } | Self::Type { peer, .. } | Self::Qos { peer, .. } => {
                 Some(*peer)
             }
-            Self::Deadline { .. } | Self::Interrupted | Self::Lost { .. } => None,
+            Self::Deadline { .. }
+            | Self::Unacknowledged { .. }
+            | Self::Returned { .. }
+            | Self::Interrupted
+            | Self::Lost { .. } => None,
         }
     }
 }

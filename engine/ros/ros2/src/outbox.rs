@@ -17,8 +17,11 @@ use rustdds::{SampleIdentity, Timestamp, WriteOptions, WriteOptionsBuilder};
 use crate::error::SendError;
 use crate::gid::Gid;
 use crate::graph::SharedGraph;
+use crate::history::{History, Overflow};
+use crate::notice::Notice;
 use crate::payload::{Payload, Raw};
 use crate::reactor::Chore;
+use crate::release::Acknowledger;
 
 /// Time that messages without acknowledgement have to leave.
 const UNACKNOWLEDGED: Duration = Duration::from_millis(20);
@@ -38,6 +41,23 @@ pub struct PublisherCounts {
     pub refused: u64,
     /// In the queue.
     pub waiting: usize,
+    /// No longer kept for a subscription that did not acknowledge them; the others have received them.
+    pub released: u64,
+}
+
+/// What a writer whose readers acknowledge knows of them.
+pub(crate) struct Readers {
+    pub(crate) graph: Arc<SharedGraph>,
+    pub(crate) acknowledger: Arc<Acknowledger>,
+}
+
+impl Readers {
+    /// Acknowledges messages of a writer in the name of readers.
+    fn acknowledge(&self, writer: Gid, readers: &[Gid], before: i64) {
+        for reader in readers {
+            self.acknowledger.acknowledge(writer, *reader, before);
+        }
+    }
 }
 
 /// A writer of DDS, and the messages that it did not take yet.
@@ -47,14 +67,17 @@ pub(crate) struct Outbox {
     writer: DataWriter<Payload, Raw>,
     capacity: usize,
     /// `None` for a best-effort writer, whose readers acknowledge nothing.
-    graph: Option<Arc<SharedGraph>>,
+    readers: Option<Readers>,
     state: Mutex<State>,
 }
 
-#[derive(Default)]
 struct State {
     waiting: VecDeque<(Bytes, WriteOptions)>,
     counts: PublisherCounts,
+    /// Messages that DDS may keep for readers.
+    history: History,
+    /// A reader that does not acknowledge was noticed, and not all have acknowledged since.
+    is_behind: bool,
     /// The latest match of a reader that has got its first message.
     introduced: Option<Instant>,
     /// The first message after a match that is not acknowledged yet.
@@ -73,15 +96,23 @@ impl Outbox {
         topic: &str,
         writer: DataWriter<Payload, Raw>,
         capacity: usize,
-        graph: Option<Arc<SharedGraph>>,
+        (history, readers): (History, Option<Readers>),
     ) -> Self {
+        let state = State {
+            waiting: VecDeque::new(),
+            counts: PublisherCounts::default(),
+            history,
+            is_behind: false,
+            introduced: None,
+            introduction: None,
+        };
         Self {
             gid,
             topic: topic.to_owned(),
             writer,
             capacity,
-            graph,
-            state: Mutex::default(),
+            readers,
+            state: Mutex::new(state),
         }
     }
 
@@ -146,11 +177,14 @@ impl Outbox {
         if !self.is_introduced(state) {
             return Ok(None);
         }
+        self.forget_acknowledged(state);
         let matched = self.newest_match();
+        let length = bytes.len();
         // the writer's longest blocking time is zero
         match self.writer.write_with_options(Payload(bytes), options) {
             Ok(identity) => {
                 state.counts.sent += 1;
+                self.keep(state, identity.sequence_number.into(), length);
                 if let Some(matched) = matched.filter(|it| Some(*it) > state.introduced) {
                     let sent = Instant::now();
                     state.introduction = Some(Introduction { matched, sent });
@@ -175,7 +209,45 @@ impl Outbox {
 
     /// The latest match of a reader.
     fn newest_match(&self) -> Option<Instant> {
-        self.graph.as_ref()?.lock().newest_match(self.gid)
+        let readers = self.readers.as_ref()?;
+        readers.graph.lock().newest_match(self.gid)
+    }
+
+    /// If much is kept, asks DDS whether all readers have acknowledged it.
+    fn forget_acknowledged(&self, state: &mut State) {
+        let (Some(readers), true) = (&self.readers, state.history.is_long()) else {
+            return;
+        };
+        let acknowledged = self.writer.wait_for_acknowledgments(Duration::ZERO);
+        if !acknowledged.unwrap_or(false) {
+            return;
+        }
+        state.is_behind = false;
+        if let Some(last) = state.history.clear() {
+            let best_effort = readers.graph.lock().readers(self.gid, |it| !it);
+            readers.acknowledge(self.gid, &best_effort, last + 1);
+        }
+    }
+
+    /// Records a message that DDS keeps, and gives up old ones if it keeps too much.
+    fn keep(&self, state: &mut State, number: i64, length: usize) {
+        let Some(readers) = &self.readers else {
+            return;
+        };
+        state.history.push(number, length);
+        let Some(Overflow { before, messages }) = state.history.overflow() else {
+            return;
+        };
+        let all = readers.graph.lock().readers(self.gid, |_| true);
+        readers.acknowledge(self.gid, &all, before);
+        state.counts.released += messages;
+        if !std::mem::replace(&mut state.is_behind, true) {
+            let reliable = readers.graph.lock().readers(self.gid, |it| it);
+            readers.graph.notice(Notice::Unacknowledged {
+                topic: self.topic.clone(),
+                readers: reliable,
+            });
+        }
     }
 
     /// Returns whether a message can be sent: the first one after a match, or one after it was acknowledged.

@@ -17,10 +17,11 @@ use crate::error::{EndpointError, NodeError};
 use crate::gid::Gid;
 use crate::graph::SharedGraph;
 use crate::names;
-use crate::outbox::Outbox;
+use crate::outbox::{Outbox, Readers};
 use crate::payload::{Payload, Raw};
 use crate::qos::{Qos, Reliability};
 use crate::reactor::{Chore, Reactor, Reader, Registration, Sink};
+use crate::release::Acknowledger;
 
 /// Configuration of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,6 +61,7 @@ pub(crate) struct Inner {
     subscriber: rustdds::Subscriber,
     pub(crate) reactor: Arc<Reactor>,
     pub(crate) graph: Arc<SharedGraph>,
+    acknowledger: Arc<Acknowledger>,
     /// The nodes of the participant with their endpoints, as they are published in the graph.
     own: Arc<Mutex<OwnNodes>>,
     entities: Arc<Entities>,
@@ -120,6 +122,7 @@ impl Inner {
         let publisher = participant.create_publisher(&none).map_err(failed)?;
         let subscriber = participant.create_subscriber(&none).map_err(failed)?;
         let graph = Arc::new(SharedGraph::default());
+        let acknowledger = Arc::new(Acknowledger::new(&participant)?);
         let (reactor, thread) = Reactor::start(&participant, &graph, &options.name)?;
         let inner = Arc::new(Self {
             options,
@@ -129,6 +132,7 @@ impl Inner {
             subscriber,
             reactor,
             graph,
+            acknowledger,
             own: Arc::default(),
             entities: Arc::new(Entities::new()?),
             goals: Arc::default(),
@@ -152,6 +156,7 @@ impl Inner {
             subscriber: self.subscriber.clone(),
             reactor: Arc::clone(&self.reactor),
             graph: Arc::clone(&self.graph),
+            acknowledger: Arc::clone(&self.acknowledger),
             own: Arc::clone(&self.own),
             entities: Arc::clone(&self.entities),
             goals: Arc::clone(&self.goals),
@@ -241,15 +246,19 @@ impl Inner {
         hash: Option<String>,
     ) -> Result<Arc<Outbox>, EndpointError> {
         let policies = qos.writer();
-        let dds = self.dds_topic(topic, kind, &policies)?;
+        let dds = self.dds_topic(topic, kind, &qos.topic())?;
         let created = self
             .publisher
             .create_datawriter_no_key(&dds, Some(policies));
         let writer: DataWriter<Payload, Raw> = created.map_err(|error| refused(topic, error))?;
         let gid = Gid::from(writer.guid());
         self.graph.add_local(gid, topic, kind, hash);
-        let graph = (qos.reliability == Reliability::Reliable).then(|| Arc::clone(&self.graph));
-        let outbox = Arc::new(Outbox::new(gid, topic, writer, qos.queue(), graph));
+        let readers = (qos.reliability == Reliability::Reliable).then(|| Readers {
+            graph: Arc::clone(&self.graph),
+            acknowledger: Arc::clone(&self.acknowledger),
+        });
+        let kept = (qos.history(), readers);
+        let outbox = Arc::new(Outbox::new(gid, topic, writer, qos.queue(), kept));
         let chore: Arc<dyn Chore> = outbox.clone();
         self.reactor.add_chore(Arc::downgrade(&chore));
         self.own().of(self.key()).writers.insert(gid);

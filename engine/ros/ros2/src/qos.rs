@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use rustdds::{QosPolicies, QosPolicyBuilder, policy};
 
+use crate::history::History;
+
 /// Repetition of lost messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reliability {
@@ -47,6 +49,14 @@ pub struct Qos {
 const KEPT: usize = 64;
 /// Added to a requested deadline: peers round an equal one up where this side cuts it off, and would not match.
 const ROUNDING: Duration = Duration::from_micros(1);
+/// Messages beyond twice the depth that may wait for acknowledgements.
+const SPARE: usize = 8192;
+/// The same for a transient local publisher.
+const LATCHED_SPARE: usize = 64;
+/// Room that is left in the window of a transient local publisher when messages are given up.
+const MARGIN: usize = 8;
+/// Bytes of messages of a volatile publisher, beyond the depth, that are kept for readers without acknowledgement.
+const KEPT_BYTES: usize = 8 << 20;
 /// Largest depth.
 const DEEPEST: usize = 1 << 16;
 
@@ -114,7 +124,44 @@ impl Qos {
 
     /// Policies of a writer, which never blocks: what DDS does not take at once waits in our queue.
     pub(crate) fn writer(self) -> QosPolicies {
+        let most = i32::try_from(self.window()).unwrap_or(i32::MAX);
+        // without a limit, DDS keeps 8192 messages of a transient local writer that has no readers, whatever its depth
+        let limits = policy::ResourceLimits {
+            max_samples: most,
+            max_instances: 1,
+            max_samples_per_instance: most,
+        };
+        let builder = QosPolicyBuilder::new().resource_limits(limits);
+        let kept = match self.durability {
+            // what is acknowledged is of no use, and a reader for which `release` acknowledges asks for it in vain
+            Durability::Volatile => builder.history(policy::History::KeepLast { depth: 0 }),
+            Durability::TransientLocal => builder,
+        };
+        self.topic().modify_by(&kept.build())
+    }
+
+    /// Policies of a topic.
+    pub(crate) fn topic(self) -> QosPolicies {
         self.policies(self.queue())
+    }
+
+    /// Most messages that wait for acknowledgements before DDS takes no more.
+    fn window(self) -> usize {
+        let spare = match self.durability {
+            Durability::Volatile => SPARE,
+            // only the last messages count
+            Durability::TransientLocal => LATCHED_SPARE,
+        };
+        2 * self.queue() + spare
+    }
+
+    /// The bookkeeping of what a writer keeps, which gives up messages before the window is full.
+    pub(crate) fn history(self) -> History {
+        let (depth, window) = (self.queue(), self.window());
+        match self.durability {
+            Durability::Volatile => History::new(depth, window / 2, KEPT_BYTES),
+            Durability::TransientLocal => History::new(depth, window - MARGIN, usize::MAX),
+        }
     }
 
     /// Policies of a reader. Its history only bridges the time until the thread of the node reads.

@@ -102,6 +102,8 @@ fn a_type_or_quality_of_service_that_does_not_match_is_noticed() {
         | Notice::Qos { .. }
         | Notice::Deadline { .. }
         | Notice::Interrupted
+        | Notice::Unacknowledged { .. }
+        | Notice::Returned { .. }
         | Notice::Lost { .. } => false,
     };
     assert!(seen.iter().any(types), "{seen:?}");
@@ -113,6 +115,8 @@ fn a_type_or_quality_of_service_that_does_not_match_is_noticed() {
         | Notice::Type { .. }
         | Notice::Deadline { .. }
         | Notice::Interrupted
+        | Notice::Unacknowledged { .. }
+        | Notice::Returned { .. }
         | Notice::Lost { .. } => false,
     };
     assert!(seen.iter().any(qos), "{seen:?}");

@@ -14,4 +14,5 @@ mod graph;
 mod malformed;
 mod peer;
 mod services;
+mod standstill;
 mod topics;
