@@ -124,21 +124,36 @@ impl<const W: usize> ConditionIndex<W> {
         self.held(state).next().is_some()
     }
 
+    /// Returns the set of all conditions.
+    pub fn all(&self) -> Vec<u64> {
+        self.all.clone()
+    }
+
     /// Returns the conditions that hold in a state, in order.
     #[inline]
     pub fn held<'a>(&'a self, state: &'a Words<W>) -> HeldConditions<'a, W> {
+        self.held_among(state, &self.all)
+    }
+
+    /// Returns the conditions of a set that hold in a state, in order.
+    #[inline]
+    pub fn held_among<'a>(&'a self, state: &'a Words<W>, set: &'a [u64]) -> HeldConditions<'a, W> {
         HeldConditions {
             index: self,
             state,
+            set,
             word: 0,
-            permitted: self.permitted(state, 0),
+            permitted: self.permitted(state, set, 0),
         }
     }
 
-    /// Returns a word of the set of conditions that the windows permit.
+    /// Returns a word of the conditions of a set that the windows permit.
     #[inline]
-    fn permitted(&self, state: &Words<W>, word: usize) -> u64 {
-        let mut permitted = self.all.get(word).copied().unwrap_or(0);
+    fn permitted(&self, state: &Words<W>, set: &[u64], word: usize) -> u64 {
+        let mut permitted = set.get(word).copied().unwrap_or(0);
+        if permitted == 0 {
+            return 0;
+        }
         for (window, start) in &self.windows {
             let place = start + window.code(state) * self.words + word;
             permitted &= self.sets.get(place).copied().unwrap_or(0);
@@ -151,6 +166,7 @@ impl<const W: usize> ConditionIndex<W> {
 pub(crate) struct HeldConditions<'a, const W: usize> {
     index: &'a ConditionIndex<W>,
     state: &'a Words<W>,
+    set: &'a [u64],
     /// The word of the set that is visited, and those of its conditions that have not been.
     word: usize,
     permitted: u64,
@@ -167,7 +183,7 @@ impl<const W: usize> Iterator for HeldConditions<'_, W> {
                 if self.word >= self.index.words {
                     return None;
                 }
-                self.permitted = self.index.permitted(self.state, self.word);
+                self.permitted = self.index.permitted(self.state, self.set, self.word);
             }
             let bit = self.permitted & self.permitted.wrapping_neg();
             self.permitted ^= bit;
@@ -305,6 +321,9 @@ mod tests {
                 held += expected.len();
                 assert_eq!(index.holds(&state), !expected.is_empty());
                 assert_eq!(index.held(&state).collect::<Vec<_>>(), expected);
+                let set: Vec<u64> = index.all().iter().map(|all| all & 0x5555_5555_5555_5555).collect();
+                let even: Vec<usize> = expected.into_iter().filter(|it| it % 2 == 0).collect();
+                assert_eq!(index.held_among(&state, &set).collect::<Vec<_>>(), even);
             }
         }
         // neither none nor all

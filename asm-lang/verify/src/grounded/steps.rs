@@ -70,9 +70,9 @@ pub(crate) struct GroundedSteps<'a, const W: usize> {
     code: &'a StepCode<W>,
     pub machine: WordMachine<'a>,
     executed: Vec<bool>,
-    /// For each command without updates, `true` until it has held in a state: its counters may be those of parts that nothing else
+    /// The set of the commands without updates that have held in no state yet: their counters may be those of parts that nothing else
     /// executes.
-    pending: Vec<bool>,
+    pending: Vec<u64>,
     pub successors: Successors<W>,
     updates: GroundUpdates,
     numbers: Vec<i64>,
@@ -94,7 +94,7 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         Self {
             request,
             executed: vec![false; code.commands.len()],
-            pending: vec![true; code.idle.len()],
+            pending: code.idle_index.all(),
             code,
             machine,
             successors: Successors {
@@ -266,11 +266,14 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
             updates,
             ..
         } = self;
-        for index in code.idle_index.held(state) {
-            let Some(is_pending) = pending.get_mut(index).filter(|it| **it) else {
-                continue;
-            };
-            *is_pending = false;
+        if pending.iter().all(|word| *word == 0) {
+            return;
+        }
+        let held: Vec<usize> = code.idle_index.held_among(state, pending).collect();
+        for index in held {
+            if let Some(word) = pending.get_mut(index / 64) {
+                *word &= !(1 << (index % 64));
+            }
             let counters = code.idle.get(index).map_or(&[][..], |it| &it.counters);
             let count = |counter: &u32| updates.counts.get(*counter as usize).copied();
             if counters.iter().all(|it| count(it) != Some(0)) {
