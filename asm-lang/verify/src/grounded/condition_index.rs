@@ -321,7 +321,11 @@ mod tests {
                 held += expected.len();
                 assert_eq!(index.holds(&state), !expected.is_empty());
                 assert_eq!(index.held(&state).collect::<Vec<_>>(), expected);
-                let set: Vec<u64> = index.all().iter().map(|all| all & 0x5555_5555_5555_5555).collect();
+                let set: Vec<u64> = index
+                    .all()
+                    .iter()
+                    .map(|all| all & 0x5555_5555_5555_5555)
+                    .collect();
                 let even: Vec<usize> = expected.into_iter().filter(|it| it % 2 == 0).collect();
                 assert_eq!(index.held_among(&state, &set).collect::<Vec<_>>(), even);
             }
