@@ -17,7 +17,7 @@ pub fn control_state(inspection: &[(String, Datum)]) -> Option<String> {
 }
 
 /// The entries of a description as pairs of name and text. A coordinator's come as its control states, its last update
-/// set, and what its next steps depend on.
+/// set, what its next steps depend on, and the properties that it violates or that are not watched.
 pub fn entries(inspection: &[(String, Datum)]) -> Vec<(String, String)> {
     match CoordinatorStatus::of(inspection) {
         Some(status) => of_coordinator(&status),
@@ -50,6 +50,13 @@ fn of_coordinator(status: &CoordinatorStatus) -> Vec<(String, String)> {
             .map(|(event, count)| format!("{event} ×{count}"))
             .collect();
         entries.push(entry("queued", counts.join(", ")));
+    }
+    for (property, steps) in &status.violated {
+        let times = if *steps == 1 { "step" } else { "steps" };
+        entries.push(entry("violated", format!("{property} by {steps} {times}")));
+    }
+    for (property, reason) in &status.unwatched {
+        entries.push(entry("unwatched", format!("{property}: {reason}")));
     }
     entries
 }

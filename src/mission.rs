@@ -397,6 +397,9 @@ impl Mission {
         if outcome == MissionOutcome::Reached || outcome == MissionOutcome::Failed {
             run.run_for(REST);
         }
+        for contact in &mut contacts {
+            contact.describe_end(&mut *run);
+        }
         // pending calls are answered before their providers stop
         drop(gateways);
         run.stop();

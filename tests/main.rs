@@ -71,6 +71,7 @@ mod standstills;
 mod stops;
 mod stranger;
 mod supply;
+mod terminal;
 mod tour;
 mod up;
 mod watch;

@@ -1,5 +1,6 @@
 //! C18: a running composite changes to its next version without a restart, or does not change at all.
 
+mod instances;
 mod over_brokers;
 mod topics_over_brokers;
 mod wires_outside;

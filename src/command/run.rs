@@ -8,8 +8,8 @@ mod top;
 mod unwatched;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
@@ -541,14 +541,25 @@ fn lock(output_files: &Mutex<OutputFiles>) -> MutexGuard<'_, OutputFiles> {
     output_files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Installs a handler: the first Ctrl-C stops the run in order, the second one at once.
+/// Time after the first signal in which others are the same one: a terminal that is closed sends SIGHUP several times, and so does its
+/// shell.
+const SAME_SIGNAL: Duration = Duration::from_secs(1);
+
+/// Installs a handler: the first Ctrl-C stops the run in order, a later one at once.
 fn on_interrupt(stop: &Arc<AtomicBool>) {
     let stop = stop.clone();
+    let first = OnceLock::new();
     // without the handler, Ctrl-C ends the process at once
     let _ = ctrlc::set_handler(move || {
-        if stop.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+        stop.store(true, Ordering::Relaxed);
+        match first.get() {
+            None => {
+                // set once, here
+                let _ = first.set(Instant::now());
+                print_progress("\n    Stopping (Ctrl-C again to abort)");
+            }
+            Some(first) if first.elapsed() < SAME_SIGNAL => {}
+            Some(_) => std::process::exit(130),
         }
-        print_progress("\n    Stopping (Ctrl-C again to abort)");
     });
 }

@@ -147,7 +147,7 @@ impl<'m> VersionSwitch<'m> {
             *has_changed = true;
         }
         let words = changes.iter().map(ToString::to_string);
-        let words: Vec<_> = words.chain(notes).collect();
+        let words: Vec<_> = words.chain(counted(notes)).collect();
         Datum::of(&words).map_err(bad_request)
     }
 
@@ -258,4 +258,19 @@ fn refusal(code: &str, detail: impl ToString) -> Refusal {
         code: code.to_owned(),
         detail: detail.to_string(),
     }
+}
+
+/// Notes about components, each once: versions of a specification that several components run have the same ones.
+fn counted(notes: Vec<String>) -> impl Iterator<Item = String> {
+    let mut known: Vec<(String, usize)> = Vec::new();
+    for note in notes {
+        match known.iter_mut().find(|(text, _)| *text == note) {
+            Some((_, count)) => *count += 1,
+            None => known.push((note, 1)),
+        }
+    }
+    known.into_iter().map(|(text, count)| match count {
+        1 => text,
+        count => format!("{text} ({count} components)"),
+    })
 }

@@ -123,7 +123,10 @@ impl Board {
             mut presence,
         } = presence;
         let key = (robot, presence.process.clone());
-        if let (true, Some(known)) = (presence.leaves, self.processes.get(&key)) {
+        if presence.leaves
+            && presence.components.is_empty()
+            && let Some(known) = self.processes.get(&key)
+        {
             // the last message of a process need not list its components
             presence.components.clone_from(&known.presence.components);
         }

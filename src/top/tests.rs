@@ -311,6 +311,27 @@ fn the_result_remains_after_the_end_of_a_run() {
 }
 
 #[test]
+fn the_last_message_of_a_process_shows_how_its_components_have_ended() {
+    let mut board = board();
+    let leaving = Presence {
+        process: "robot".to_owned(),
+        leaves: true,
+        components: vec![component("Driver", "Exception", 100, 10.0, 3)],
+        ..Presence::default()
+    };
+    let leaving = Datum::of(&leaving).unwrap();
+    board.receive(
+        &envelope("youbot.presence.robot", PRESENCE, leaving),
+        at(10.0),
+    );
+    let mut view = View::default();
+    view.result = Some(("failed".to_owned(), at(10.0)));
+    let shown = screen(&board, &view, 60.0, (100, 24));
+    let driver = shown.lines().find(|line| line.contains("Driver"));
+    assert!(driver.is_some_and(|it| it.contains("Exception")), "{shown}");
+}
+
+#[test]
 fn a_message_that_waited_for_a_stopped_terminal_is_shown_as_old() {
     let mut board = board();
     let mut late = envelope("youbot.twist", "geometry_msgs/Twist", Datum::Int(1));

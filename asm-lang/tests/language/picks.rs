@@ -102,6 +102,17 @@ fn cases() -> Vec<(&'static str, Vec<Value>, Vec<Value>)> {
         ),
         ("Small", ints(&[1, 3]), vec![int(0), int(4), text.clone()]),
         (
+            "Integer",
+            ints(&[0, -7, 1 << 40]),
+            vec![Value::real(1.0), text.clone()],
+        ),
+        ("Natural", ints(&[0, 7]), vec![int(-1), Value::real(1.0)]),
+        (
+            "Real",
+            vec![Value::real(-0.5), Value::real(7.0)],
+            vec![int(1), text.clone()],
+        ),
+        (
             "Side",
             vec![atom(1), atom(2)],
             vec![atom(0), atom(3), int(1)],

@@ -153,3 +153,15 @@ definitions:
         }
     }
 }
+
+#[test]
+fn of_a_restored_state_is_empty() {
+    let opened = super::opened("records", &specification(&ACTIONS));
+    let mut machine = opened.machine().unwrap();
+    machine.keep_candidates();
+    let snapshot = machine.snapshot();
+    machine.step(&mut One, &mut Seeded::new(1), 0).unwrap();
+    assert_ne!(sizes(&machine), [0; 6]);
+    machine.restore(&snapshot).unwrap();
+    assert_eq!(sizes(&machine), [0; 6]);
+}

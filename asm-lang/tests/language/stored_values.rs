@@ -203,3 +203,28 @@ fn of_every_codomain_have_states_of_their_own() {
         }
     }
 }
+
+#[test]
+fn of_a_range_take_as_many_bits_as_they_need() {
+    let size = |places: u32| {
+        let text = format!(
+            "asm sizes
+import StandardLibrary
+signature:
+ domain Small subsetof Integer
+ domain Place subsetof Integer
+ controlled f: Place -> Small
+definitions:
+ domain Small = {{-3 : 3}}
+ domain Place = {{1 : {places}}}
+ main rule r_Main = skip
+default init s0:
+ function f($p in Place) = 3
+"
+        );
+        let machine = opened("sizes", &text).machine().unwrap();
+        machine.snapshot().into_state().as_bytes().len()
+    };
+    // seven values, undef, and the mark of a value that is stored elsewhere: 4 bits each
+    assert_eq!(size(1000) - size(200), 400);
+}

@@ -266,3 +266,34 @@ fn a_value_outside_its_codomain_is_refused() {
         }
     }
 }
+
+#[test]
+fn elements_that_were_created_are_adopted() {
+    let mut old = machine("old", OLD);
+    step(&mut old, 20);
+    step(&mut old, 30);
+    let mut new = machine("new", NEW);
+    let elements = new.adopt_elements(&old);
+    new.continue_from(&old, &elements, &mut Given(6), 0)
+        .unwrap();
+    let mut places = listed(&new);
+    places.retain(|it| it.starts_with("place"));
+    let kept = [
+        "place(item!1) = 20",
+        "place(item!2) = 7",
+        "place(item!3) = 31",
+        "place(item!4) = 7",
+    ];
+    assert_eq!(places, kept);
+    // the domain consists of the elements that have places
+    let placed: Vec<Value> = new
+        .state()
+        .locations(new.program())
+        .into_iter()
+        .filter(|(function, ..)| &*new.program().symbols.functions[function.0 as usize] == "place")
+        .map(|(_, arguments, _)| arguments[0].clone())
+        .collect();
+    let domains = (0..new.program().domains.len() as u32).map(ir::DomainId);
+    let domains: Vec<&[Value]> = domains.map(|it| new.state().extent(it)).collect();
+    assert!(domains.contains(&&*placed), "{placed:?}, {domains:?}");
+}

@@ -1,11 +1,11 @@
 //! Watched properties of a specification that is replaced while it runs.
 
-use asmotion_component::Span;
+use asmotion_component::{Span, Time};
 use asmotion_coordinator::{VIOLATION_REPORT, ViolationReaction, ViolationRecord};
 use asmotion_runtime::{Event, Run, System};
 use std::sync::{Arc, Mutex};
 
-use crate::replacement::{apply, replaced, start, status, version};
+use crate::replacement::{Number, apply, replaced, start, status, version};
 
 /// Adds the numbers that it receives up to a limit, which it does not know.
 const BRAIN: &str = "asm brain
@@ -108,4 +108,50 @@ fn a_property_that_is_dropped_is_named() {
     let notes = apply(&mut run, &second.1, &third.1).expect("it continues");
     assert_eq!(notes.len(), 1, "{notes:?}");
     assert!(status(&mut run, "Brain").violated.is_empty());
+}
+
+/// Brains without anybody who sends them numbers.
+const BRAINS: &str = r#"
+schema = "composite/1"
+[composite]
+name = "brains"
+
+[components.Brain]
+for = "$r in 1..1"
+implementation = { asm = "brain.asm" }
+task = { period_ms = 100 }
+subscribe = { number = "test/Number" }
+bind.monitored.number = { topic = "number", receive = "all", field = "n", none = 0 }
+"#;
+
+#[test]
+fn what_the_monitors_of_instances_know_is_frozen_after_one_is_added() {
+    let first = version(BRAINS, BRAIN);
+    let second = version(&replaced(BRAINS, &[("1..1", "1..2")]), BRAIN);
+    let (mut system, _) = start(&first);
+    let found = observed(&mut system);
+    let mut run = system.simulate();
+    for n in 1..=5 {
+        run.inject(Time::ZERO + 1.ms(), "Brain1.number", Number { n })
+            .expect("a number");
+    }
+    // the total of 15 is reached: the response is due 300 ms later
+    run.run_for(550.ms());
+    assert!(found.lock().expect("no panic").is_empty());
+    apply(&mut run, &first.1, &second.1).expect("it continues");
+    run.run_for(20.ms());
+    let frozen = run.freeze().expect("it can be frozen");
+    let mut continued = || {
+        run.run_for(1.s());
+        assert_eq!(status(&mut run, "Brain1").violated.len(), 1);
+        assert!(status(&mut run, "Brain2").violated.is_empty());
+        run.thaw(&frozen).expect("it can be thawed");
+        assert!(status(&mut run, "Brain1").violated.is_empty());
+        std::mem::take(&mut *found.lock().expect("no panic"))
+    };
+    let violations = continued();
+    let first = violations.first().expect("a late response");
+    // the time has begun before the instance was added
+    assert_eq!((first.step, first.late_after_s), (9, Some(0.3)));
+    assert_eq!(continued(), violations);
 }

@@ -16,7 +16,7 @@ use crate::roster::WORDS;
 pub const CLOCK_TOLERANCE: Duration = Duration::from_millis(500);
 
 /// What to do about clocks that differ.
-pub const CLOCK_REMEDY: &str = "synchronise the clocks of all machines, with chrony or systemd-timesyncd: `timedatectl` shows whether they are;\nages and deadlines of messages between them are wrong by the difference";
+pub const CLOCK_REMEDY: &str = "synchronise the clocks of all machines, with chrony or systemd-timesyncd: `timedatectl` shows whether they are;\nthe times in messages, logs and recordings of the two differ by as much; ages and deadlines of messages do not depend on them";
 
 /// The clock of a process, compared with the clock of this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]

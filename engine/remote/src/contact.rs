@@ -259,6 +259,11 @@ impl<'p> ProcessContact<'p> {
         self.presence_publisher.follow(plan, part);
     }
 
+    /// Notes how the components are at the end of the run, before they are stopped: [`leave`](Self::leave) publishes it.
+    pub fn describe_end(&mut self, run: &mut dyn Run) {
+        self.presence_publisher.describe_end(run);
+    }
+
     /// Publishes that the process leaves.
     pub fn leave(&mut self) {
         self.presence_publisher.publish_departure();

@@ -261,8 +261,8 @@ impl Presence {
         }
     }
 
-    /// Fills in the rates from the previous message, `seconds` before on the clock of the run, and repeats its properties
-    /// and internal state for components that were too busy to report them.
+    /// Fills in the rates from the previous message, `seconds` before on the clock of the run, or repeats its rates if no time has
+    /// passed. Repeats its properties and internal state for components that were too busy to report them.
     #[must_use]
     pub fn after(mut self, before: &Self, seconds: f64) -> Self {
         for component in &mut self.components {
@@ -275,11 +275,11 @@ impl Presence {
             if component.inspection.is_empty() {
                 component.inspection.clone_from(&known.inspection);
             }
-            if seconds > 0.0 {
-                let cycles = component.cycles.saturating_sub(known.cycles);
-                let rate = cycles as f64 / seconds;
-                component.rate_hz = rate;
-            }
+            component.rate_hz = if seconds > 0.0 {
+                component.cycles.saturating_sub(known.cycles) as f64 / seconds
+            } else {
+                known.rate_hz
+            };
         }
         self
     }

@@ -72,15 +72,11 @@ impl<'p> PresencePublisher<'p> {
             self.last_published = previous;
             return;
         }
-        let mut presence = Presence::of(&self.plan, &self.part, &self.process, run);
-        presence.version = self.version;
-        let presence = match &previous {
-            Some(last) => {
-                let seconds = run_time.since(last.run_time).as_secs_f64();
-                presence.after(&last.presence, seconds)
-            }
-            None => presence,
-        };
+        let mut presence = self.presence(run);
+        if let Some(last) = &previous {
+            let seconds = run_time.since(last.run_time).as_secs_f64();
+            presence = presence.after(&last.presence, seconds);
+        }
         self.publish(&presence);
         self.last_published = Some(PublishedPresence {
             at,
@@ -88,6 +84,25 @@ impl<'p> PresencePublisher<'p> {
             presence,
         });
         self.is_due_now = false;
+    }
+
+    fn presence(&self, run: &mut dyn Run) -> Presence {
+        let mut presence = Presence::of(&self.plan, &self.part, &self.process, run);
+        presence.version = self.version;
+        presence
+    }
+
+    /// Lets the last message describe the components as they are now, with the rates of the message before.
+    pub(crate) fn describe_end(&mut self, run: &mut dyn Run) {
+        let mut presence = self.presence(run);
+        if let Some(last) = &self.last_published {
+            presence = presence.after(&last.presence, 0.0);
+        }
+        self.last_published = Some(PublishedPresence {
+            at: Instant::now(),
+            run_time: run.now(),
+            presence,
+        });
     }
 
     /// Describes another version of the system from now on.
