@@ -426,7 +426,7 @@ map = [{ from = "word", ros = "/a", type = "std_msgs/String", direction = "from_
     );
     let _south = start(
         "south",
-        r#"inputs = { word = "std_msgs/String" }
+        r#"ports.in = { word = "std_msgs/String" }
 map = [{ from = "word", ros = "/a", type = "std_msgs/String", direction = "to_ros" }]
 
 [components.North]

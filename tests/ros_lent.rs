@@ -208,7 +208,8 @@ fn what_lent_threads_run_is_told_recorded_and_replayed_alike() {
     let counter = objects.find(|it: &Value| it["type"] == "coordinator");
     let counter = counter.unwrap();
     assert_eq!(counter["result"], "equal", "{counter}");
-    assert_eq!(counter["steps"], run.steps.len(), "{counter}");
+    let ends = (run.steps.first(), run.steps.last());
+    assert_eq!(counter["steps"], run.steps.len(), "{counter} {ends:?}");
 }
 
 #[test]
@@ -226,7 +227,7 @@ fn a_specification_is_replaced_while_lent_threads_run_it() {
     let _driver = driver(&master);
     for version in 1..=3 {
         run.count(500 * version);
-        let text = COUNTER.replace("par\n", &format!("par {}\n", "skip ".repeat(version)));
+        let text = COUNTER.replace("\t\tpar\n", &format!("\t\tpar {}\n", "skip ".repeat(version)));
         std::fs::write(place.path().join("counter.asm"), text).unwrap();
         let arguments = ["reconfigure", composite.to_str().unwrap()];
         let (code, out, err) = tool(&broker, &url, &arguments);

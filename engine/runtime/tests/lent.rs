@@ -186,9 +186,6 @@ fn a_cycle_that_panics_leaves_the_lent_thread_to_the_others() {
         it.len() > before + 20 && it.last() == Some(&here())
     });
     assert_eq!(told.lock().unwrap().cycles["Follower"].len(), PANIC);
-    // the run can be led on
-    run.transition("Follower", Transition::Cleanup).unwrap();
-    drop(run);
 }
 
 #[test]

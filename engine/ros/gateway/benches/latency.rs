@@ -12,7 +12,8 @@
     reason = "a bench fails by panicking and prints its figures"
 )]
 
-use std::net::Ipv4Addr;
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -67,6 +68,7 @@ fn main() {
             })
         });
         table("ROS 1", "rospy", &rows);
+        bare_sockets();
     }
     if is_chosen("ros2")
         && let Some(python) = python()
@@ -93,6 +95,51 @@ fn main() {
         });
         table("ROS 2", "Cyclone DDS in Python", &rows);
     }
+}
+
+/// Times in µs that eight bytes take between two threads over a socket of the loopback interface, at the pace of the messages: what no
+/// connection over TCP can do without. With `polls`, the reader asks for them all the time in place of sleeping.
+fn bare_socket(polls: bool) -> Vec<f64> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let mut writer = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+    writer.set_nodelay(true).unwrap();
+    let (mut reader, _) = listener.accept().unwrap();
+    reader.set_nonblocking(polls).unwrap();
+    let (start, (count, rate)) = (Instant::now(), PACED);
+    let now = move || u64::try_from(start.elapsed().as_nanos()).unwrap();
+    let reading = std::thread::spawn(move || {
+        let mut ages = Vec::with_capacity(count);
+        let mut sent = [0; 8];
+        while ages.len() < count {
+            match reader.read_exact(&mut sent) {
+                Ok(()) => ages.push((now() - u64::from_le_bytes(sent)) as f64 / 1e3),
+                Err(error) => assert_eq!(error.kind(), ErrorKind::WouldBlock),
+            }
+        }
+        ages
+    });
+    for _ in 0..count {
+        std::thread::sleep(Duration::from_secs(1) / u32::try_from(rate).unwrap());
+        writer.write_all(&now().to_le_bytes()).unwrap();
+    }
+    reading.join().unwrap()
+}
+
+fn bare_sockets() {
+    let mut ages = [Vec::new(), Vec::new()];
+    for _ in 0..TURNS {
+        for (polls, ages) in [false, true].into_iter().zip(&mut ages) {
+            ages.extend(bare_socket(polls));
+        }
+    }
+    let [waiting, polling] = ages.map(|mut ages| {
+        ages.sort_by(f64::total_cmp);
+        let at = |part: f64| ages[(ages.len() as f64 * part) as usize];
+        format!("{:.0} / {:.0}", at(0.5), at(0.99))
+    });
+    println!(
+        "\nA bare socket, median and 99 % in µs: {waiting}; with a reader that does not sleep {polling}"
+    );
 }
 
 fn jazzy() -> Arc<Catalogue> {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use asmotion_component::{Cycle, In, Interface, Losses};
-use asmotion_datum::{Datum, Schema};
+use asmotion_datum::{Datum, Schema, Shape};
 use asmotion_transform::TransformBuffer;
 
 use crate::echo::Echoes;
@@ -29,6 +29,8 @@ pub(crate) struct Outbound {
     misfits: u64,
     /// Losses of connections that were replaced.
     before: Losses,
+    /// A sample that is complete is a message, and is not kept.
+    is_alike: bool,
     /// The last messages of a latched topic, for a new connection.
     pub(crate) last: VecDeque<Datum>,
 }
@@ -45,6 +47,10 @@ impl Outbound {
     ) -> Result<Self, String> {
         let frames = mapped.transform.as_ref();
         let frames = frames.map(|it| FrameQueue::new(&mapped, it)).transpose()?;
+        let is_alike = mapped.converters.is_empty()
+            && mapped.transform.is_none()
+            && !mapped.is_latched
+            && !has_sequence(&ros_schema);
         let doc = format!("to the ROS topic `{}`", mapped.ros);
         let port = interface.input_of(&mapped.port, mapped.schema.clone(), &doc);
         Ok(Self {
@@ -56,6 +62,7 @@ impl Outbound {
             frames,
             misfits: 0,
             before: Losses::default(),
+            is_alike,
             last: VecDeque::new(),
         })
     }
@@ -69,12 +76,22 @@ impl Outbound {
         misfits: &mut Misfits,
         cycle: &mut Cycle<'_>,
     ) {
-        for sample in cycle.all(self.port).to_vec() {
-            if echoes.as_mut().is_some_and(|it| it.is_echo(&sample)) {
+        for index in 0..cycle.all(self.port).len() {
+            let Some(sample) = cycle.all(self.port).get(index) else {
+                break;
+            };
+            if echoes.as_mut().is_some_and(|it| it.is_echo(sample)) {
                 continue;
             }
             let now = Instant::now();
-            match (self.complete(sample), &mut self.frames) {
+            if self.is_message(sample) {
+                match sender.send(sample) {
+                    Ok(()) => self.traffic.pass(1, now),
+                    Err(reason) => self.count_misfit((&reason, ""), misfits, cycle),
+                }
+                continue;
+            }
+            match (self.complete(sample.clone()), &mut self.frames) {
                 (Err(reason), _) => self.count_misfit((&reason, ""), misfits, cycle),
                 (Ok(content), None) => self.send_one(content, sender, misfits, cycle),
                 (Ok(content), Some(frames)) => {
@@ -129,6 +146,13 @@ impl Outbound {
         self.last.push_back(message);
     }
 
+    /// Returns whether a sample can be sent as it is, without a copy.
+    fn is_message(&self, sample: &Datum) -> bool {
+        self.is_alike
+            && self.ros_schema.accepts(sample).is_ok()
+            && self.ros_schema.is_complete(sample)
+    }
+
     /// The message of ROS for a sample, with the fields that only ROS has.
     fn complete(&self, sample: Datum) -> Result<Datum, String> {
         let mut converters = self.mapped.converters.iter();
@@ -165,6 +189,18 @@ impl Outbound {
     pub(crate) fn patience(&self, now: Instant) -> Option<Duration> {
         self.frames.as_ref()?.patience(now)
     }
+}
+
+/// Returns whether messages have a header with the sequence number that the clients of ROS 1 write.
+fn has_sequence(schema: &Schema) -> bool {
+    let field = |schema: &Schema, name: &str| {
+        let Shape::Record(fields) = &schema.shape else {
+            return None;
+        };
+        fields.iter().find(|it| it.name == name).cloned()
+    };
+    let header = field(schema, "header");
+    header.is_some_and(|header| field(&header.schema, "seq").is_some())
 }
 
 fn field_mut<'d>(record: &'d mut Datum, name: &str) -> Option<&'d mut Datum> {

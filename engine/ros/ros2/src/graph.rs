@@ -1,7 +1,7 @@
 //! What a node knows of its peers: participants, endpoints, matches and nodes.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use rustdds::{DomainParticipantStatusEvent, EndpointDescription, GUID, LostReason, QosPolicies};
@@ -25,8 +25,11 @@ pub struct Graph {
     /// For each endpoint of this node, the peers that match, and since when.
     matches: BTreeMap<Gid, BTreeMap<Gid, Instant>>,
     local: BTreeMap<Gid, Local>,
-    /// Participants whose lease has ended while they matched endpoints of this node beside the graph, with the names of their nodes.
-    expired: BTreeMap<[u8; 12], Vec<String>>,
+    /// Participants whose lease has ended while they matched endpoints of this node beside the graph, with the time and the names of their
+    /// nodes.
+    expired: BTreeMap<[u8; 12], (Instant, Vec<String>)>,
+    /// A scout looks for them.
+    is_scouted: bool,
     /// With the time since which they wait.
     notices: VecDeque<(Instant, Notice)>,
 }
@@ -218,6 +221,14 @@ impl Graph {
         }
     }
 
+    /// A participant is there that may have been missing.
+    fn returned(&mut self, participant: [u8; 12]) {
+        if let Some((_, nodes)) = self.expired.remove(&participant) {
+            let participant = in_digits(participant);
+            self.notice(Notice::Returned { participant, nodes });
+        }
+    }
+
     fn participant_lost(&mut self, prefix: [u8; 12], is_expired: bool) {
         let topics = self.topics_with(prefix);
         self.vendors.remove(&prefix);
@@ -230,7 +241,7 @@ impl Graph {
         // every node follows the graph
         let is_reached = topics.iter().any(|it| it != names::GRAPH);
         if is_expired && is_reached && self.expired.len() < MOST_EXPIRED {
-            self.expired.insert(prefix, nodes.clone());
+            self.expired.insert(prefix, (Instant::now(), nodes.clone()));
         }
         self.notice(Notice::Lost {
             participant: in_digits(prefix),
@@ -249,10 +260,7 @@ impl Graph {
             Event::ParticipantDiscovered { dpd } => {
                 let participant = Gid::from(dpd.guid).participant();
                 self.vendors.insert(participant, dpd.vendor_id.as_bytes());
-                if let Some(nodes) = self.expired.remove(&participant) {
-                    let participant = in_digits(participant);
-                    self.notice(Notice::Returned { participant, nodes });
-                }
+                self.returned(participant);
             }
             Event::ParticipantLost { id, reason } => {
                 let mut guid = GUID::GUID_UNKNOWN;
@@ -299,6 +307,9 @@ impl Graph {
     }
 }
 
+/// Starts what looks for the missing participants of a graph.
+pub(crate) type StartScout = Box<dyn Fn(&Arc<SharedGraph>) + Send + Sync>;
+
 /// The graph, with its changes announced to those who wait.
 #[derive(Default)]
 pub(crate) struct SharedGraph {
@@ -306,6 +317,8 @@ pub(crate) struct SharedGraph {
     changed: Condvar,
     /// Called when notices wait.
     waker: Mutex<Option<Waker>>,
+    /// Called when a lease has ended and nobody looks for those that are missing. Set once.
+    scout: OnceLock<StartScout>,
 }
 
 impl SharedGraph {
@@ -313,9 +326,41 @@ impl SharedGraph {
         self.graph.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(crate) fn apply(&self, event: DomainParticipantStatusEvent) {
-        self.lock().apply(event);
+    pub(crate) fn apply(self: &Arc<Self>, event: DomainParticipantStatusEvent) {
+        let mut graph = self.lock();
+        graph.apply(event);
+        let needs_scout = !graph.expired.is_empty() && !graph.is_scouted;
+        graph.is_scouted |= needs_scout;
+        drop(graph);
+        if needs_scout && let Some(scout) = self.scout.get() {
+            scout(self);
+        }
         self.changed.notify_all();
+        self.wake_for_notices();
+    }
+
+    /// Sets how somebody begins to look for participants whose lease has ended.
+    pub(crate) fn set_scout(&self, scout: StartScout) {
+        // the first one stays: there is one for each participant
+        let _ = self.scout.set(scout);
+    }
+
+    /// Participants whose lease has ended.
+    pub(crate) fn expired(&self) -> BTreeSet<[u8; 12]> {
+        self.lock().expired.keys().copied().collect()
+    }
+
+    /// When the last lease of these ended; `None`, and the scout ends, if there are none.
+    pub(crate) fn newest_expiry(&self) -> Option<Instant> {
+        let mut graph = self.lock();
+        let newest = graph.expired.values().map(|(at, _)| *at).max();
+        graph.is_scouted = newest.is_some();
+        newest
+    }
+
+    /// A participant is there whose lease had ended.
+    pub(crate) fn returned(&self, participant: [u8; 12]) {
+        self.lock().returned(participant);
         self.wake_for_notices();
     }
 

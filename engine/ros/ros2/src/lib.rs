@@ -40,6 +40,7 @@ mod qos;
 mod queue;
 mod reactor;
 mod release;
+mod scout;
 mod service;
 mod subscription;
 

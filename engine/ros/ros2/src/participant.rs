@@ -22,6 +22,7 @@ use crate::payload::{Payload, Raw};
 use crate::qos::{Qos, Reliability};
 use crate::reactor::{Chore, Reactor, Reader, Registration, Sink};
 use crate::release::Acknowledger;
+use crate::scout::Scout;
 
 /// Configuration of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -122,6 +123,9 @@ impl Inner {
         let publisher = participant.create_publisher(&none).map_err(failed)?;
         let subscriber = participant.create_subscriber(&none).map_err(failed)?;
         let graph = Arc::new(SharedGraph::default());
+        let networks = options.networks.clone();
+        let scout = Scout { domain, networks };
+        graph.set_scout(Box::new(move |graph| scout.clone().start(graph)));
         let acknowledger = Arc::new(Acknowledger::new(&participant)?);
         let (reactor, thread) = Reactor::start(&participant, &graph, &options.name)?;
         let inner = Arc::new(Self {

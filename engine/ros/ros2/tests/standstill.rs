@@ -145,3 +145,29 @@ fn a_subscription_that_stands_still_costs_little_and_hears_the_newest_again() {
         assert!(begun.elapsed() < LONG, "{:?}", publisher.counts());
     }
 }
+
+/// It announces what it has announced before, which RustDDS takes for repeated.
+#[test]
+fn a_participant_that_returns_after_its_lease_is_noticed() {
+    let Some(python) = python() else { return };
+    let domain = domain();
+    let string = named("std_msgs/msg/String");
+    let settings = topic_settings(domain, "/chatter", &string);
+    let peer = Peer::start(&python, "subscribe", &settings);
+    peer.expect("ready");
+    let first = node("talker", domain);
+    let publisher = first.publisher("/chatter", &string, Qos::default());
+    let publisher = publisher.unwrap();
+    assert!(publisher.wait_for_matches(1, LONG));
+    let awaited = |what: &str, is_that: fn(&Notice) -> bool| {
+        wait(what, || first.take_notices().into_iter().find(is_that))
+    };
+    peer.signal("STOP");
+    awaited("a loss", |it| matches!(it, Notice::Lost { .. }));
+    peer.signal("CONT");
+    awaited("a return", |it| matches!(it, Notice::Returned { .. }));
+    // a node that starts now reaches it
+    let second = node("talker_again", domain);
+    let publisher = second.publisher("/chatter", &string, Qos::default());
+    assert!(publisher.unwrap().wait_for_matches(1, LONG));
+}
