@@ -1,7 +1,7 @@
 //! Which of many conditions hold in a state, found with a few look-ups for all of them together.
 
 use super::condition::WordCondition;
-use super::layout::{Field, WordLayout, Words, overlaps, union, word_of};
+use super::layout::{Field, WordLayout, Words, overlaps, union};
 
 /// Limit for the bits of a window.
 const MAX_BITS: u32 = 8;
@@ -11,9 +11,6 @@ const MAX_WINDOW_WORDS: usize = 512;
 
 /// Limit for the words of all sets.
 const MAX_WORDS: usize = 1 << 15;
-
-/// Number of words of sets that are looked up together.
-const BLOCK: usize = 4;
 
 /// Consecutive bits of a word, the fields in which are looked up together.
 #[derive(Clone, Copy, Debug)]
@@ -109,8 +106,6 @@ impl<const W: usize> ConditionIndex<W> {
                 index.sets.extend(permitted);
             }
         }
-        // so that the last set can be read as a block
-        index.sets.extend([0; BLOCK]);
         let masks = index.windows.iter().map(|(window, _)| window.mask());
         let masks: Vec<Words<W>> = masks.collect();
         index.undecided = set_of(&conditions, |it| !it.is_decided_by(&masks));
@@ -147,27 +142,23 @@ impl<const W: usize> ConditionIndex<W> {
             index: self,
             state,
             set,
-            first: 0,
-            block: self.permitted(state, set, 0),
-            at: 0,
+            word: 0,
+            permitted: self.permitted(state, set, 0),
         }
     }
 
-    /// Returns a block of the conditions of a set that the windows permit.
+    /// Returns a word of the conditions of a set that the windows permit.
     #[inline]
-    fn permitted(&self, state: &Words<W>, set: &[u64], first: usize) -> Words<BLOCK> {
-        let mut block = std::array::from_fn(|at| set.get(first + at).copied().unwrap_or(0));
-        if block == [0; BLOCK] {
-            return block;
+    fn permitted(&self, state: &Words<W>, set: &[u64], word: usize) -> u64 {
+        let mut permitted = set.get(word).copied().unwrap_or(0);
+        if permitted == 0 {
+            return 0;
         }
         for (window, start) in &self.windows {
-            let place = start + window.code(state) * self.words + first;
-            // words of another set after this one meet no conditions of the block
-            let row = self.sets.get(place..).and_then(|sets| sets.first_chunk());
-            let row = row.unwrap_or(&[0; BLOCK]);
-            block = std::array::from_fn(|at| word_of(&block, at) & word_of(row, at));
+            let place = start + window.code(state) * self.words + word;
+            permitted &= self.sets.get(place).copied().unwrap_or(0);
         }
-        block
+        permitted
     }
 }
 
@@ -176,11 +167,9 @@ pub(crate) struct HeldConditions<'a, const W: usize> {
     index: &'a ConditionIndex<W>,
     state: &'a Words<W>,
     set: &'a [u64],
-    /// The block of the set that is visited, and those of its conditions that have not been.
-    first: usize,
-    block: Words<BLOCK>,
-    /// The word in the block.
-    at: usize,
+    /// The word of the set that is visited, and those of its conditions that have not been.
+    word: usize,
+    permitted: u64,
 }
 
 impl<const W: usize> Iterator for HeldConditions<'_, W> {
@@ -189,23 +178,17 @@ impl<const W: usize> Iterator for HeldConditions<'_, W> {
     #[inline]
     fn next(&mut self) -> Option<usize> {
         loop {
-            let Some(word) = self.block.get_mut(self.at) else {
-                (self.first, self.at) = (self.first + BLOCK, 0);
-                if self.first >= self.index.words {
+            while self.permitted == 0 {
+                self.word += 1;
+                if self.word >= self.index.words {
                     return None;
                 }
-                self.block = self.index.permitted(self.state, self.set, self.first);
-                continue;
-            };
-            if *word == 0 {
-                self.at += 1;
-                continue;
+                self.permitted = self.index.permitted(self.state, self.set, self.word);
             }
-            let bit = *word & word.wrapping_neg();
-            *word ^= bit;
-            let at = self.first + self.at;
-            let number = at * 64 + bit.trailing_zeros() as usize;
-            let undecided = self.index.undecided.get(at).copied().unwrap_or(0);
+            let bit = self.permitted & self.permitted.wrapping_neg();
+            self.permitted ^= bit;
+            let number = self.word * 64 + bit.trailing_zeros() as usize;
+            let undecided = self.index.undecided.get(self.word).copied().unwrap_or(0);
             if undecided & bit == 0 || self.index.conditions.get(number)?.holds(self.state) {
                 return Some(number);
             }
