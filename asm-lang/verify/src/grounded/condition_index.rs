@@ -178,7 +178,8 @@ fn windows<const W: usize>(layout: &WordLayout, words: usize, reads: &[Words<W>]
     for field in fields {
         let own = Window::of(field);
         let joined = windows.last().and_then(|last| last.up_to(own));
-        let joined = joined.filter(|it| it.bits <= MAX_BITS && it.codes() * words <= MAX_WINDOW_WORDS);
+        let joined =
+            joined.filter(|it| it.bits <= MAX_BITS && it.codes() * words <= MAX_WINDOW_WORDS);
         match (windows.last_mut(), joined) {
             (Some(last), Some(joined)) => *last = joined,
             _ => windows.push(own),

@@ -245,7 +245,15 @@ impl<'a, const W: usize> GroundedSteps<'a, W> {
         {
             next += 1;
             let (grounded, layout) = (request.grounded, request.layout);
-            alternative_step(grounded, layout, alternative, state, numbers, updates, successors)?;
+            alternative_step(
+                grounded,
+                layout,
+                alternative,
+                state,
+                numbers,
+                updates,
+                successors,
+            )?;
         }
         Ok(next)
     }
