@@ -39,7 +39,7 @@ use asmotion_assembly::{Assembled, CoordinatorOptions, Standard, StartError};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::Programs;
-use asmotion_coordinator::{RECORDED_CYCLE_REPORT, STEP_REPORT};
+use asmotion_coordinator::{BRIEF_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT};
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
@@ -305,7 +305,9 @@ impl Mission {
         let observer = move |at: Time, event: &Event<'_>| {
             let line = lock(&listener).report(at, event);
             on_event(at, event, line.as_deref());
-            lock(&watcher).observe(at, event);
+            if end_condition::concerns(event) {
+                lock(&watcher).observe(at, event);
+            }
         };
         system.observe(observer.using(reports));
         bridges.observe(&mut system, plan);
@@ -588,10 +590,14 @@ impl Mission {
 }
 
 /// Returns whether an event can end the run. The record of a cycle cannot: a run takes the same course whether it is recorded or
-/// not.
+/// not. A brief report that is a number cannot, either: it says that no control state has changed.
 fn is_notable(event: &Event<'_>) -> bool {
     match event {
-        Event::Report { kind, .. } => *kind != RECORDED_CYCLE_REPORT,
+        Event::Report { kind, data, .. } => match *kind {
+            RECORDED_CYCLE_REPORT => false,
+            BRIEF_STEP_REPORT => !matches!(data, Datum::Int(_)),
+            _ => true,
+        },
         Event::Fault { .. } => true,
         Event::Cycle { .. }
         | Event::Published { .. }

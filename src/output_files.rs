@@ -108,6 +108,11 @@ impl OutputArguments {
 }
 
 impl OutputFiles {
+    /// Returns whether there are files to write.
+    pub fn is_any(&self) -> bool {
+        self.trace.is_some() || self.table.is_some()
+    }
+
     /// Records an event. If a file can no longer be written, this is reported, and the run goes on.
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         if self.failure.is_some() {

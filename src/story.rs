@@ -119,6 +119,7 @@ impl Story {
     pub fn silent(self) -> Self {
         Self {
             is_silent: true,
+            inputs: self.inputs.events(),
             ..self
         }
     }
@@ -127,7 +128,13 @@ impl Story {
     pub fn follow(&mut self, plan: &Plan) {
         self.ids = ids(plan);
         self.limit = StoryLimit::of(plan);
-        let known = std::mem::replace(&mut self.inputs, StoryInputs::of(plan));
+        let inputs = StoryInputs::of(plan);
+        let inputs = if self.is_silent {
+            inputs.events()
+        } else {
+            inputs
+        };
+        let known = std::mem::replace(&mut self.inputs, inputs);
         self.inputs.continue_from(&known);
         let is_present = |component: &str| plan.component(component).is_some();
         self.summary.retain_coordinators(is_present);
@@ -194,6 +201,10 @@ impl Story {
                 let readers = self.inputs.of_output(component, port, topic);
                 self.set_goals(*sample, &readers);
                 match readers.first().and_then(|it| self.inputs.get_mut(*it)) {
+                    Some(input) if self.is_silent => {
+                        self.summary.received.count(&input.name_of(*sample));
+                        None
+                    }
                     Some(input) => message_entry(input, &mut self.summary, component, *sample),
                     None => collision.or(moved),
                 }
@@ -206,6 +217,10 @@ impl Story {
                 let readers = self.inputs.of_place(place);
                 self.set_goals(*sample, &readers);
                 let input = self.inputs.get_mut(*readers.first()?)?;
+                if self.is_silent {
+                    self.summary.received.count(&input.name_of(*sample));
+                    return None;
+                }
                 message_entry(
                     input,
                     &mut self.summary,
@@ -227,7 +242,7 @@ impl Story {
                         .calls
                         .count(&format!("{reference}.{operation}"));
                 }
-                (is_new || self.is_new_attempt(component, *call, *attempt))
+                (!self.is_silent && (is_new || self.is_new_attempt(component, *call, *attempt)))
                     .then(|| call_entry(reference, operation, *attempt, *argument))
             }
             Event::Replied {
@@ -237,6 +252,10 @@ impl Story {
                 call,
                 result,
             } => {
+                if self.is_silent {
+                    self.summary.failed_calls += u64::from(result.is_err());
+                    return None;
+                }
                 self.attempts.remove(&((*component).to_owned(), *call));
                 Some(self.reply_entry(reference, operation, *result))
             }

@@ -137,3 +137,24 @@ fn a_quiet_run_is_traced_and_recorded_as_any_other() {
     );
     assert_eq!(replayed("quiet.mcap", &["-q"]), told);
 }
+
+#[test]
+fn a_quiet_run_counts_messages_calls_and_ways_as_any_other() {
+    let composite = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation");
+    let summary = |quiet: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+        command.current_dir(&composite);
+        command.args(["run", "navigation.composite.toml"]);
+        let output = command.args(quiet).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let told = summary(&[]);
+    let counted = [
+        "27.2 m",
+        "0.05 m from the goal",
+        "goal ×1, event REACHED ×1",
+        "planner.plan ×1; 0 failed",
+    ];
+    assert!(counted.iter().all(|it| told.contains(it)), "{told}");
+    assert_eq!(summary(&["-q"]), told);
+}

@@ -524,12 +524,15 @@ impl MissionArguments {
         output_files: Arc<Mutex<OutputFiles>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
         let (tell, as_json) = (self.prints_story(), self.json);
+        let writes_files = lock(&output_files).is_any();
         move |at, event, line| {
-            lock(&output_files).note(at, event);
+            if writes_files {
+                lock(&output_files).note(at, event);
+            }
             if let (true, Some(line)) = (tell, line) {
                 print_progress(line);
             }
-            if let (true, Some(object)) = (as_json, event_json(at, event)) {
+            if as_json && let Some(object) = event_json(at, event) {
                 print_result(object);
             }
         }

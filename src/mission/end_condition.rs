@@ -7,6 +7,7 @@ use asmotion_component::{State, Time};
 use asmotion_coordinator::{
     BRIEF_STEP_REPORT, CONTROL_STATES, STEP_REPORT, StepRecord, function_of,
 };
+use asmotion_datum::Datum;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::AwaitedUpdate;
 use asmotion_plan::{Component, Implementation, Part, Plan};
@@ -192,6 +193,31 @@ impl EndCondition {
                 && (!self.started.contains(*component) || failed && !restarts)
         });
         faulted.map(|(component, _)| component)
+    }
+}
+
+/// Returns whether an event can contribute to an end condition.
+pub(super) fn concerns(event: &Event<'_>) -> bool {
+    match event {
+        Event::Report { kind, data, .. } => match *kind {
+            STEP_REPORT => true,
+            // a number says that no control state has changed
+            BRIEF_STEP_REPORT => !matches!(data, Datum::Int(_)),
+            _ => false,
+        },
+        Event::LifeCycle { .. } | Event::Fault { .. } => true,
+        Event::Cycle { .. }
+        | Event::Published { .. }
+        | Event::Injected { .. }
+        | Event::Called { .. }
+        | Event::Answered { .. }
+        | Event::Replied { .. }
+        | Event::Overrun { .. }
+        | Event::Late { .. }
+        | Event::Denied { .. }
+        | Event::Dropped { .. }
+        | Event::Property { .. }
+        | Event::Lost { .. } => false,
     }
 }
 

@@ -124,6 +124,30 @@ impl StoryInputs {
         });
     }
 
+    /// The inputs whose messages are events: a summary mentions no others.
+    pub(super) fn events(self) -> Self {
+        let Self {
+            all,
+            mut by_port,
+            mut by_topic,
+            mut by_writer,
+        } = self;
+        let is_event = |position: &usize| all.get(*position).is_some_and(|it| !it.is_state());
+        by_port.retain(|_, position| is_event(position));
+        for by in [&mut by_topic, &mut by_writer] {
+            by.retain(|_, positions| {
+                positions.retain(is_event);
+                !positions.is_empty()
+            });
+        }
+        Self {
+            all,
+            by_port,
+            by_topic,
+            by_writer,
+        }
+    }
+
     /// Continues with the last reported messages of the same inputs of the previous version.
     pub(super) fn continue_from(&mut self, known: &Self) {
         for input in &mut self.all {
@@ -192,14 +216,18 @@ impl StoryInput {
             }
             last.clone_from(&what);
         }
+        Some((self.name_of(sample), what))
+    }
+
+    /// The name under which a message is counted.
+    pub(super) fn name_of(&self, sample: &dyn Sample) -> String {
         let kind = self
             .field
             .as_ref()
             .and_then(|field| message::field(sample, field));
-        let name = match kind {
+        match kind {
             Some(kind) => format!("{} {kind}", self.name),
             None => self.name.clone(),
-        };
-        Some((name, what))
+        }
     }
 }

@@ -49,12 +49,11 @@ pub struct EventCounts(pub Vec<(String, u64)>);
 impl EventCounts {
     /// Adds one to the count of a name.
     pub(super) fn count(&mut self, name: &str) {
-        let known = self.0.iter().position(|(known, _)| known == name);
-        let name = match known {
-            None if self.0.len() >= MOST_NAMES => OTHERS,
-            Some(_) | None => name,
-        };
-        match self.0.iter_mut().find(|(known, _)| known == name) {
+        let position = |name: &str| self.0.iter().position(|(known, _)| known == name);
+        let is_full = self.0.len() >= MOST_NAMES;
+        let known = position(name).or_else(|| is_full.then(|| position(OTHERS)).flatten());
+        let name = if is_full { OTHERS } else { name };
+        match known.and_then(|known| self.0.get_mut(known)) {
             Some((_, count)) => *count += 1,
             None => self.0.push((name.to_owned(), 1)),
         }

@@ -50,6 +50,7 @@ use asmotion_lang::{Environment, Machine, NoInputs};
 use asmotion_temporal::{Monitor, MonitorState, MonitorVerdict, ResponseMonitor, ResponseState};
 use condition::WatchedCondition;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A property from outside of the specification.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -122,8 +123,9 @@ pub struct ConditionValue {
 /// The monitors of a specification.
 #[derive(Clone, Debug, Default)]
 pub struct Monitors {
-    watched: Vec<WatchedProperty>,
-    unwatched: Vec<UnwatchedProperty>,
+    /// What does not change is shared by the monitors of all machines of a specification.
+    watched: Arc<Vec<WatchedProperty>>,
+    unwatched: Arc<Vec<UnwatchedProperty>>,
     conditions: Vec<WatchedCondition>,
     watches: Vec<PropertyWatch>,
     /// Number of changes of conditions so far.
@@ -133,10 +135,10 @@ pub struct Monitors {
 /// The monitor of a property, with what it knows about the run.
 #[derive(Clone, Debug)]
 struct PropertyWatch {
-    safety: Option<(Monitor, MonitorState)>,
+    safety: Option<(Arc<Monitor>, MonitorState)>,
     response: Option<ResponseWatch>,
     /// Indices of its conditions.
-    conditions: Vec<usize>,
+    conditions: Arc<[usize]>,
     /// As long as no condition changes, the next position changes nothing and violates nothing.
     is_stable: bool,
     /// The number of changes of conditions at the last position.
@@ -153,7 +155,7 @@ struct PropertyWatch {
 
 #[derive(Clone, Debug)]
 struct ResponseWatch {
-    monitor: ResponseMonitor,
+    monitor: Arc<ResponseMonitor>,
     state: ResponseState,
     /// The state after the step that has just been made, until it is known that the step counts.
     after_step: Option<ResponseState>,
@@ -367,7 +369,7 @@ impl PropertyWatch {
         self.is_violated = true;
         let conditions = self.conditions.iter().filter_map(|it| conditions.get(*it));
         let conditions = conditions.map(|condition| ConditionValue {
-            text: condition.text.clone(),
+            text: condition.text.to_string(),
             before: condition.before,
             after: condition
                 .value

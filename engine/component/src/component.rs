@@ -61,6 +61,13 @@ pub trait Component: Any + Send {
     /// the [safe samples](crate::Interface::safe) of the outputs, also if this hook panics.
     fn stop(&mut self, _: &mut Cycle<'_>) {}
 
+    /// [Prefetches](asmotion_port::prefetch) memory that the next cycle uses, apart from the component's own fields and its ports.
+    /// Called in simulated time, in systems of many components, with `depth` 1, 2 and 3 some cycles of other components before:
+    /// depth 1 is for what the fields point to, depth 2 for what that points to. Default: nothing.
+    fn prefetch(&self, depth: usize) {
+        let _ = depth;
+    }
+
     /// The writers that stop before this component, because it passes their last samples on. Default: none.
     fn awaited_writers(&self) -> AwaitedWriters {
         AwaitedWriters::None

@@ -38,7 +38,7 @@ pub use activity::{
 };
 pub use asmotion_datum::Word;
 pub use asmotion_derive::{Freeze, Ports, Properties, Word};
-pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, Time};
+pub use asmotion_port::{BufferKind, Flow, Lock, OnStale, Policy, Sharing, Span, Time, prefetch};
 pub use background::{BackgroundWork, CycleRequests, WorkPlace};
 pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::{AwaitedWriters, Component};

@@ -56,6 +56,15 @@ impl<T> Sender<T> {
         Self(SenderKind::Shared(shared))
     }
 
+    /// Prefetches what the next sample needs, as far as the end knows where it is.
+    pub fn prefetch(&self) {
+        match &self.0 {
+            SenderKind::Newest(writer) => writer.prefetch(),
+            SenderKind::Buffer(writer) => writer.prefetch(),
+            SenderKind::Shared(_) => {}
+        }
+    }
+
     /// Sends a sample; never blocks, except on a locked pool.
     #[inline(always)]
     pub fn send(&mut self, sample: T) -> PushOutcome {
@@ -79,6 +88,25 @@ impl<T> Sender<T> {
 impl<T> Receiver<T> {
     pub(crate) fn shared(shared: SharedBuffer<T>) -> Self {
         Self(ReceiverKind::Shared(shared))
+    }
+
+    /// Allocates memory for as many samples as the connection can hold. Without this, a buffer of many samples allocates most of
+    /// its memory when more than a few samples wait, in the thread that sends.
+    pub fn reserve(&self) {
+        match &self.0 {
+            ReceiverKind::Buffer(reader) => reader.reserve(),
+            // they have their memory from the beginning, or wait for the first sample on purpose
+            ReceiverKind::Newest(_) | ReceiverKind::Shared(_) => {}
+        }
+    }
+
+    /// Prefetches what taking a sample needs, as far as the end knows where it is.
+    pub fn prefetch(&self) {
+        match &self.0 {
+            ReceiverKind::Newest(reader) => reader.prefetch(),
+            ReceiverKind::Buffer(reader) => reader.prefetch(),
+            ReceiverKind::Shared(_) => {}
+        }
     }
 
     /// Removes and returns the oldest sample or, in a data connection, the newest one.

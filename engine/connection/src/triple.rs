@@ -8,6 +8,7 @@
     reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
 )]
 
+use crate::prefetch::prefetch;
 use crate::sync::{Arc, AtomicU8, Ordering, UnsafeCell};
 
 /// Bits of `middle` that contain the index of a slot.
@@ -67,6 +68,11 @@ impl<T> Slots<T> {
 }
 
 impl<T> TripleWriter<T> {
+    /// Prefetches the slots.
+    pub(crate) fn prefetch(&self) {
+        prefetch(&*self.shared);
+    }
+
     /// Publishes a value. Returns whether it replaced a value that was never read.
     pub(crate) fn write(&mut self, value: T) -> bool {
         // SAFETY: `self.slot` is the writer's own; `&mut self` excludes other writers
@@ -81,6 +87,11 @@ impl<T> TripleWriter<T> {
 }
 
 impl<T> TripleReader<T> {
+    /// Prefetches the slots.
+    pub(crate) fn prefetch(&self) {
+        prefetch(&*self.shared);
+    }
+
     /// Returns whether the writer has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         Arc::strong_count(&self.shared) == 1

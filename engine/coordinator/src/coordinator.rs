@@ -19,7 +19,7 @@ use crate::watch::Watch;
 use crate::watcher::{StepFailure, WatchedStep, Watcher};
 use asmotion_component::{
     BusHealth, CannotFreeze, Component, Cycle, Fault, Flow, FrozenState, In, Interface, Losses,
-    NOTICE_REPORT, Setup, ThawError, Time,
+    NOTICE_REPORT, Setup, ThawError, Time, prefetch,
 };
 use asmotion_datum::{Datum, Message};
 use asmotion_lang::machine::{BackEnd, Machine, StepFault};
@@ -98,7 +98,7 @@ impl Coordinator {
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
         let (specification, binding) = (&prepared.specification, &prepared.binding);
-        let handles = declare(binding, interfaces, interface)?;
+        let handles = declare(&prepared, interfaces, interface)?;
         let requests = Requests::declare(binding, interfaces, interface)?;
         let partners = MessagePartners::declare(
             specification,
@@ -153,6 +153,27 @@ impl Coordinator {
 impl Component for Coordinator {
     fn inspect(&self) -> Vec<(String, Datum)> {
         self.status().entries().unwrap_or_default()
+    }
+
+    fn prefetch(&self, depth: usize) {
+        match depth {
+            1 => {
+                let step = self.machine.last_step();
+                prefetch(self.machine.slots());
+                prefetch(step.updates());
+                prefetch(step.before());
+                prefetch(step.inputs());
+                self.inbox.prefetch();
+                self.outbox.prefetch();
+                self.frame.prefetch();
+                self.last_write.prefetch();
+            }
+            2 => {
+                self.inbox.prefetch_each();
+                self.outbox.prefetch_each();
+            }
+            _ => {}
+        }
     }
 
     fn freeze(&self) -> Result<FrozenState, CannotFreeze> {
@@ -441,7 +462,7 @@ fn health(handles: &EffectHandles) -> Option<In<Datum>> {
 
 /// Declares every port of the component, and every operation that the binding calls.
 fn declare(
-    binding: &Binding,
+    prepared: &PreparedSpecification,
     interfaces: &Interfaces,
     interface: &mut Interface,
 ) -> Result<EffectHandles, BindError> {
@@ -451,7 +472,7 @@ fn declare(
         handles.inputs.push(TypedInput {
             name: name.clone(),
             port,
-            schema: message.clone(),
+            schema: prepared.schema(message),
         });
     }
     for (name, message) in &interfaces.outputs {
@@ -460,10 +481,10 @@ fn declare(
         handles.written.push(WrittenPort {
             port,
             name: name.clone(),
-            schema: message.clone(),
+            schema: prepared.schema(message),
         });
     }
-    for call in binding.calls() {
+    for call in prepared.binding.calls() {
         let operation = &call.operation;
         if handles
             .operations

@@ -14,12 +14,15 @@ use crate::published_value::{PublishedValue, message_of, messages};
 use crate::requests::{Requests, WaitingCaller, cancelled_fault, superseded_fault};
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
-use asmotion_component::{CallError, CallId, Cycle, Dynamic, Out, Reply, Required, ServiceFault};
+use asmotion_component::{
+    CallError, CallId, Cycle, Dynamic, Out, Reply, Required, ServiceFault, prefetch,
+};
 use asmotion_datum::{Datum, Schema};
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{FunctionId, Slot, ValueShape};
 use asmotion_lang::value::Value;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The handles of a component, by name.
 #[derive(Default)]
@@ -34,7 +37,8 @@ pub(crate) struct EffectHandles {
 pub(crate) struct WrittenPort {
     pub port: Out<Datum>,
     pub name: String,
-    pub schema: Schema,
+    /// Shared by the coordinators of a specification.
+    pub schema: Arc<Schema>,
 }
 
 /// The bound out functions of a specification, and their calls under way.
@@ -504,6 +508,28 @@ impl EffectOutbox {
     /// Returns the outcome effect of the call at this position.
     pub fn outcome(&mut self, number: usize) -> Option<OutcomeEffect> {
         outcomes(&mut self.outputs).nth(number).cloned()
+    }
+
+    /// Prefetches the lists of outputs and ports.
+    pub fn prefetch(&self) {
+        prefetch(&*self.outputs);
+        prefetch(&*self.messages);
+        prefetch(&*self.written);
+        prefetch(&*self.ports);
+        prefetch(&*self.operations);
+    }
+
+    /// Prefetches what the outputs point to.
+    pub fn prefetch_each(&self) {
+        self.messages.iter().for_each(|it| prefetch(&**it));
+        for output in &self.outputs {
+            match &output.effect {
+                BoundEffect::Publish(published) => {
+                    prefetch(published.field.as_deref().unwrap_or_default());
+                }
+                BoundEffect::Literals(cases) => prefetch(&**cases),
+            }
+        }
     }
 
     /// The input ports.

@@ -1,17 +1,19 @@
 //! The inputs of a step: the values of all bound locations, fixed before the step begins.
 
+use asmotion_component::prefetch;
 use asmotion_lang::Environment;
 use asmotion_lang::ir::FunctionId;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate;
 use asmotion_lang::value::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// The inputs of one step.
 #[derive(Debug, Default)]
 pub(crate) struct InputFrame {
-    /// Positions of the bound locations in `values`.
-    positions: BTreeMap<FunctionId, BTreeMap<Vec<Value>, usize>>,
+    /// The bound locations, ascending, with their positions in `values`. In one list: most specifications have a few, and every
+    /// step looks them up.
+    positions: Vec<(FunctionId, Vec<Value>, usize)>,
     /// `None` until the inputs are fixed for the first time.
     values: Vec<Option<Value>>,
     /// The function of each location.
@@ -24,11 +26,11 @@ impl InputFrame {
     /// Adds a location and returns its position; `None` if it is bound already.
     pub fn bind(&mut self, function: FunctionId, arguments: Vec<Value>) -> Option<usize> {
         let position = self.values.len();
-        let bound = self.positions.entry(function).or_default();
-        if bound.contains_key(&arguments) {
+        let Err(place) = self.find(function, &arguments) else {
             return None;
-        }
-        bound.insert(arguments, position);
+        };
+        self.positions
+            .insert(place, (function, arguments, position));
         self.values.push(None);
         self.functions.push(function);
         Some(position)
@@ -36,7 +38,21 @@ impl InputFrame {
 
     /// Position of a bound location.
     pub fn position(&self, function: FunctionId, arguments: &[Value]) -> Option<usize> {
-        self.positions.get(&function)?.get(arguments).copied()
+        let place = self.find(function, arguments).ok()?;
+        self.positions.get(place).map(|(.., position)| *position)
+    }
+
+    /// Place of a location in `positions`, or that at which it can be inserted.
+    fn find(&self, function: FunctionId, arguments: &[Value]) -> Result<usize, usize> {
+        self.positions
+            .binary_search_by(|(known, of, _)| (*known, of.as_slice()).cmp(&(function, arguments)))
+    }
+
+    /// Prefetches the lists.
+    pub fn prefetch(&self) {
+        prefetch(&*self.positions);
+        prefetch(&*self.values);
+        prefetch(&*self.functions);
     }
 
     /// The values of all bound locations, by position; `None` until the inputs are fixed for the first time.
@@ -47,11 +63,9 @@ impl InputFrame {
     /// Names of the bound locations, by position.
     pub fn names(&self, machine: &Machine) -> Vec<String> {
         let mut names = vec![String::new(); self.values.len()];
-        for (function, bound) in &self.positions {
-            for (arguments, position) in bound {
-                if let Some(name) = names.get_mut(*position) {
-                    *name = simulate::applied(machine, *function, arguments);
-                }
+        for (function, arguments, position) in &self.positions {
+            if let Some(name) = names.get_mut(*position) {
+                *name = simulate::applied(machine, *function, arguments);
             }
         }
         names

@@ -21,7 +21,7 @@ use crate::misfit::MisfitCauses;
 use crate::requests::Requests;
 use crate::terms::BindingTerms;
 use crate::typed_input::TypedInput;
-use asmotion_component::{BufferKind, Cycle, Flow, Losses, Time};
+use asmotion_component::{BufferKind, Cycle, Flow, Losses, Time, prefetch};
 use asmotion_lang::Specification;
 use asmotion_lang::ir::{FunctionId, Program, ValueShape};
 use asmotion_lang::machine::{Machine, StepFault};
@@ -332,6 +332,19 @@ impl MessageInputs {
                 frame.set(location.position, value);
             }
             input.lost.before = input.lost.now;
+        }
+    }
+
+    /// Prefetches the list of inputs.
+    pub fn prefetch(&self) {
+        prefetch(&*self.inputs);
+    }
+
+    /// Prefetches what the inputs point to.
+    pub fn prefetch_each(&self) {
+        for input in &self.inputs {
+            prefetch(&*input.locations);
+            prefetch(input.field.as_deref().unwrap_or_default());
         }
     }
 

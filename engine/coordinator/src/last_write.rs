@@ -2,7 +2,7 @@
 //!
 //! It is kept as values, and formatted only when the status is read.
 
-use asmotion_component::Time;
+use asmotion_component::{Time, prefetch};
 use asmotion_lang::ir::Slot;
 use asmotion_lang::machine::{Machine, Step};
 use asmotion_lang::simulate;
@@ -42,6 +42,11 @@ impl LastWrite {
         self.updates
             .extend(updates.map(|update| (update.slot, update.value.clone())));
         self.before = None;
+    }
+
+    /// Prefetches the list of updates.
+    pub fn prefetch(&self) {
+        prefetch(&*self.updates);
     }
 
     /// Returns the step as text. `machine` is the one that made it.

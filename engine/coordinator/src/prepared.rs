@@ -7,8 +7,10 @@ use crate::partners::MessagePartners;
 use crate::terms::BindingTerms;
 use crate::watch::Watch;
 use crate::watcher::Watcher;
+use asmotion_datum::Schema;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::{Specification, Style};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A specification with its bindings and watched properties, ready to be run by any number of coordinators.
 ///
@@ -25,6 +27,8 @@ pub struct PreparedSpecification {
     pub(crate) watcher: Watcher,
     /// The machine in its initial state, without partners.
     initial: Machine,
+    /// The message types of the ports of its coordinators, each once.
+    schemas: Mutex<Vec<Arc<Schema>>>,
 }
 
 impl PreparedSpecification {
@@ -51,12 +55,24 @@ impl PreparedSpecification {
             terms,
             watcher,
             initial,
+            schemas: Mutex::default(),
         })
     }
 
     /// Returns whether it was prepared with these bindings and this watch.
     pub fn has(&self, binding: &Binding, watch: &Watch) -> bool {
         self.binding == *binding && self.watcher.watch == *watch
+    }
+
+    /// Returns the message type that all coordinators with such a port share.
+    pub(crate) fn schema(&self, schema: &Schema) -> Arc<Schema> {
+        let mut known = self.schemas.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = known.iter().find(|it| ***it == *schema) {
+            return Arc::clone(found);
+        }
+        let shared = Arc::new(schema.clone());
+        known.push(Arc::clone(&shared));
+        shared
     }
 
     /// Returns a machine in the initial state.

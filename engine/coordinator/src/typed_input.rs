@@ -1,6 +1,7 @@
 //! Input ports, whose messages are completed by their type.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use asmotion_component::In;
 use asmotion_datum::{Datum, DatumError, Schema};
@@ -10,7 +11,8 @@ use asmotion_datum::{Datum, DatumError, Schema};
 pub(crate) struct TypedInput {
     pub name: String,
     pub port: In<Datum>,
-    pub schema: Schema,
+    /// Shared by the coordinators of a specification.
+    pub schema: Arc<Schema>,
 }
 
 impl TypedInput {

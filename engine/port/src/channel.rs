@@ -237,6 +237,22 @@ impl<T: Message> InputChannel<T> {
 }
 
 impl<T> InputChannel<T> {
+    /// Allocates the whole queue.
+    pub(crate) fn reserve(&self) {
+        match &self.receiver {
+            InputReceiver::Own(receiver) => receiver.reserve(),
+            InputReceiver::Pulled(receiver) => receiver.reserve(),
+        }
+    }
+
+    /// Prefetches the queue.
+    pub(crate) fn prefetch(&self) {
+        match &self.receiver {
+            InputReceiver::Own(receiver) => receiver.prefetch(),
+            InputReceiver::Pulled(receiver) => receiver.prefetch(),
+        }
+    }
+
     /// Returns whether the writing end has been dropped.
     pub(crate) fn is_abandoned(&self) -> bool {
         match &self.receiver {

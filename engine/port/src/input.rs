@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_connection::BufferKind;
+use asmotion_connection::{BufferKind, prefetch};
 use asmotion_datum::{Datum, DatumError, Message, Schema};
 
 use crate::channel::{ChannelOpener, InputChannel, OpenerOf, ReadingEnd};
@@ -40,6 +40,8 @@ pub struct InputPort<T> {
     lost: u64,
     /// Queues of the connections, for other threads.
     gauges: QueueGauges,
+    /// Connections allocate their whole queues when they are joined to the port.
+    reserves: bool,
     /// Scratch buffer of `freeze`, kept to avoid allocation.
     received: Vec<(ConnectionId, Stamped<T>)>,
 }
@@ -119,6 +121,7 @@ impl<T: Message> InputPort<T> {
             losses: LossCounter::default(),
             gauges: QueueGauges::default(),
             lost: 0,
+            reserves: false,
             received: Vec::new(),
         }
     }
@@ -290,6 +293,17 @@ pub trait AnyInput: Any + Send {
 
     /// Removes a connection. Its samples are lost, as in RTT: data that are no longer renewed must not look fresh.
     fn disconnect(&mut self, connection: ConnectionId);
+
+    /// Allocates memory for as many samples as the connections can hold, also those that follow, so that no writer allocates it
+    /// while it runs. Called before a run in real time.
+    fn reserve(&mut self);
+
+    /// Prefetches what the port points to: the lists of its connections and samples. The port itself should have been
+    /// [prefetched](crate::prefetch) a while before.
+    fn prefetch_lists(&self);
+
+    /// Prefetches what the connections point to, as [`prefetch_lists`](Self::prefetch_lists) does for the port.
+    fn prefetch_queues(&self);
 }
 
 impl<T: Message> AnyInput for InputPort<T> {
@@ -377,6 +391,9 @@ impl<T: Message> AnyInput for InputPort<T> {
     fn connect(&mut self, end: ReadingEnd) {
         // succeeds: the end was made by this port's own opener
         let channel = end.channel.downcast::<InputChannel<T>>();
+        if let (true, Ok(channel)) = (self.reserves, &channel) {
+            channel.reserve();
+        }
         if self.channels.len() < FEW_CHANNELS {
             // most ports have one or two; a vector would make room for four
             self.channels.reserve_exact(1);
@@ -453,6 +470,24 @@ impl<T: Message> AnyInput for InputPort<T> {
             self.last = None;
             self.new_samples.clear();
             self.expiries.clear();
+        }
+    }
+
+    fn reserve(&mut self) {
+        self.reserves = true;
+        self.channels.iter().for_each(InputChannel::reserve);
+    }
+
+    fn prefetch_lists(&self) {
+        prefetch(&*self.channels);
+        prefetch(&*self.new_samples);
+        prefetch(&*self.expiries);
+        self.losses.prefetch();
+    }
+
+    fn prefetch_queues(&self) {
+        for channel in &self.channels {
+            channel.prefetch();
         }
     }
 }

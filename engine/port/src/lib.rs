@@ -17,7 +17,7 @@ mod sender;
 mod snapshot;
 mod time;
 
-pub use asmotion_connection::{BufferKind, Notifier, PushOutcome};
+pub use asmotion_connection::{BufferKind, Notifier, PushOutcome, prefetch};
 pub use channel::{ChannelOpener, OpenError, ReadingEnd, SharedQueue};
 pub use connection_id::ConnectionId;
 pub use flow::Flow;

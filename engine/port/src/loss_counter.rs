@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use asmotion_connection::prefetch;
+
 /// Number of messages lost on the way into an input port. Shared by the port and the writing ends of its connections, which
 /// may be in other threads; a count alone orders nothing, so all accesses are `Relaxed`.
 #[derive(Debug, Clone, Default)]
@@ -17,6 +19,11 @@ impl LossCounter {
     /// Number of messages lost so far.
     pub fn total(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// Prefetches the number.
+    pub(crate) fn prefetch(&self) {
+        prefetch(&*self.0);
     }
 
     /// Replaces the number of lost messages, when a frozen state is restored.

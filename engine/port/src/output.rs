@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-use asmotion_connection::{Notifier, PushOutcome};
+use asmotion_connection::{Notifier, PushOutcome, prefetch};
 use asmotion_datum::{Datum, DatumError, Message, Sample, Schema};
 
 use crate::connection_id::ConnectionId;
@@ -310,6 +310,13 @@ pub trait AnyOutput: Any + Send {
 
     /// Returns the links in order of creation.
     fn links(&self) -> Vec<&OutputLink>;
+
+    /// Prefetches what the port points to: the lists of its links and pending samples. The port itself should have been
+    /// [prefetched](crate::prefetch) a while before.
+    fn prefetch_lists(&self);
+
+    /// Prefetches what the links point to, as [`prefetch_lists`](Self::prefetch_lists) does for the port.
+    fn prefetch_queues(&self);
 }
 
 impl<T: Message> AnyOutput for OutputPort<T> {
@@ -456,5 +463,17 @@ impl<T: Message> AnyOutput for OutputPort<T> {
 
     fn links(&self) -> Vec<&OutputLink> {
         self.links.iter().map(|(_, link)| link).collect()
+    }
+
+    fn prefetch_lists(&self) {
+        prefetch(&*self.links);
+        prefetch(self.pending.as_slices().0);
+    }
+
+    fn prefetch_queues(&self) {
+        for (sender, link) in &self.links {
+            sender.prefetch();
+            prefetch(&*link.readers);
+        }
     }
 }

@@ -92,6 +92,14 @@ impl<T: Message> PortSender<T> {
         same.map(|sender| Self::Same(*sender)).ok()
     }
 
+    /// Prefetches the queue, if the reader has the same type.
+    pub(crate) fn prefetch(&self) {
+        match self {
+            Self::Same(sender) => sender.prefetch(),
+            Self::Shared(sender) => asmotion_connection::prefetch(&**sender),
+        }
+    }
+
     /// Sends a copy of the sample.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use asmotion_component::{
     Reply, RequestId, WaitingRequest, WorkPlace, suggestion_among,
 };
 use asmotion_datum::{Datum, DatumError, DatumProblem, Sample};
-use asmotion_port::{AnyInput, AnyOutput, PortEffects, TooOld};
+use asmotion_port::{AnyInput, AnyOutput, PortEffects, TooOld, prefetch};
 
 use crate::added_ports::{AddedPorts, FormerPorts};
 use crate::cause::CycleCause;
@@ -105,6 +105,45 @@ impl ComponentBody {
             cycle_duration: Duration::ZERO,
             later: LaterCycle::default(),
             peers: PeerTable::default(),
+        }
+    }
+
+    /// Prefetches the lists of ports, services and properties, and what the body shares with others.
+    pub(crate) fn prefetch_lists(&self) {
+        prefetch(&*self.inputs);
+        prefetch(&*self.outputs);
+        prefetch(&*self.topics);
+        prefetch(&*self.services);
+        prefetch(&*self.properties);
+        prefetch(&*self.journal);
+        prefetch(&*self.declaration);
+        prefetch(&*self.cause);
+    }
+
+    /// Prefetches the ports, with `depth` 1 their lists, and with `depth` 2 the queues of their connections.
+    pub(crate) fn prefetch_ports(&self, depth: usize) {
+        match depth {
+            0 => {
+                for input in &self.inputs {
+                    prefetch(&**input);
+                }
+                for output in &self.outputs {
+                    prefetch(&**output);
+                }
+                prefetch(&*self.declaration.inputs);
+                prefetch(&*self.declaration.outputs);
+                for topic in self.topics.iter().flatten() {
+                    prefetch(topic.as_str());
+                }
+            }
+            1 => {
+                self.inputs.iter().for_each(|it| it.prefetch_lists());
+                self.outputs.iter().for_each(|it| it.prefetch_lists());
+            }
+            _ => {
+                self.inputs.iter().for_each(|it| it.prefetch_queues());
+                self.outputs.iter().for_each(|it| it.prefetch_queues());
+            }
         }
     }
 

@@ -14,7 +14,7 @@ use asmotion_component::{
     PropertyError, Setup, State, Transition, guarded,
 };
 use asmotion_datum::Datum;
-use asmotion_port::Time;
+use asmotion_port::{Time, prefetch};
 
 pub(crate) use self::freeze::FrozenUnit;
 pub use self::remove::REMOVAL_REPORT;
@@ -117,6 +117,23 @@ impl ComponentUnit {
 
     pub(crate) fn state(&self) -> State {
         self.state
+    }
+
+    /// Prefetches memory that the next cycle uses. Called with `depth` 0 to 4, each one or more cycles of other components after
+    /// the one before, so that the pointers that it follows are in the caches.
+    pub(crate) fn prefetch(&self, depth: usize) {
+        match depth {
+            0 => prefetch(self),
+            1 => {
+                prefetch(&*self.component);
+                prefetch(&*self.status);
+                self.body.prefetch_lists();
+            }
+            _ => {
+                self.component.prefetch(depth - 1);
+                self.body.prefetch_ports(depth - 2);
+            }
+        }
     }
 
     /// The component's description of its internal state; empty before it is configured, or if the description fails.

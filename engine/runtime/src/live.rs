@@ -117,6 +117,7 @@ impl Live {
         let context = LiveContext::new(Instant::now(), units.len(), Arc::clone(&events));
         for unit in &mut units {
             unit.body.work_place = work_place(&context, unit.index);
+            unit.body.inputs.iter_mut().for_each(|it| it.reserve());
         }
         let executor = ExecutorThreads::new(context.clone());
         let mut live = Self {
@@ -305,6 +306,10 @@ impl Executor for Live {
         &self.descriptors
     }
 
+    fn peers(&self) -> &PeerTable {
+        &self.peers
+    }
+
     fn descriptors_mut(&mut self) -> &mut Vec<ComponentDescriptor> {
         &mut self.descriptors
     }
@@ -361,6 +366,7 @@ impl Executor for Live {
 
     fn adopt(&mut self, mut unit: ComponentUnit) {
         unit.join(&self.peers);
+        unit.body.inputs.iter_mut().for_each(|it| it.reserve());
         let (component, name) = (unit.index, Arc::clone(&unit.name));
         let mut threads = self.new_threads.iter();
         let prepared = threads.position(|it| it.component == component);

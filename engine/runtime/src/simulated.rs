@@ -3,6 +3,7 @@
 //! Runs of the same system are identical: only the pacer reads the real clock, and it only sleeps. Committed outputs
 //! are delivered at once; a component they trigger runs at the same instant, after the writer.
 
+mod cycle_order;
 mod freeze;
 mod handle;
 mod pacer;
@@ -183,6 +184,10 @@ impl Executor for Simulation {
 
     fn descriptors(&self) -> &[ComponentDescriptor] {
         &self.descriptors
+    }
+
+    fn peers(&self) -> &PeerTable {
+        &self.peers
     }
 
     fn descriptors_mut(&mut self) -> &mut Vec<ComponentDescriptor> {

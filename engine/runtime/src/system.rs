@@ -80,6 +80,8 @@ pub struct System {
     pub(crate) connections: ConnectionTable,
     /// The statuses of the components.
     pub(crate) peers: PeerTable,
+    /// The declaration of the component added last, which the next one shares if it declares the same.
+    newest_declaration: Option<Arc<Declaration>>,
     /// Upkeeps of sinks.
     pub(crate) sinks: Vec<SinkStream>,
     /// Sources and the inputs that they feed.
@@ -135,7 +137,12 @@ impl System {
             });
         }
         let index = self.units.len();
-        let body = ComponentBody::new(interface, index);
+        let mut body = ComponentBody::new(interface, index);
+        // components of one kind often follow each other
+        match &self.newest_declaration {
+            Some(known) if **known == *body.declaration => body.declaration = Arc::clone(known),
+            Some(_) | None => self.newest_declaration = Some(Arc::clone(&body.declaration)),
+        }
         let name = Arc::from(name);
         self.positions.insert(Arc::clone(&name), index);
         let mut unit = ComponentUnit::new(name, index, activity, component, body);
@@ -191,7 +198,7 @@ impl System {
             output: end.name,
             source,
         })?;
-        // not shared before the run begins
+        // other components may share it
         let declaration = Arc::make_mut(&mut body.declaration);
         declaration.outputs[end.index].safe = Some(sample.clone());
         Ok(())

@@ -4,18 +4,19 @@ use asmotion_lang::hir::{self, FunctionKind, Meaning, Model, Term};
 use asmotion_lang::ir::{AddedTerm, FunctionId};
 use asmotion_lang::{Environment, Machine, Value};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// A condition that the formulas of a specification contain.
 #[derive(Clone, Debug)]
 pub(super) struct WatchedCondition {
     pub term: AddedTerm,
-    pub text: String,
+    pub text: Arc<str>,
     /// Its value depends on the inputs of a step.
     pub reads_inputs: bool,
     /// It depends on something else than locations: the time, or the machine itself.
     pub is_volatile: bool,
     /// The functions whose locations it reads.
-    pub functions: BTreeSet<FunctionId>,
+    pub functions: Arc<BTreeSet<FunctionId>>,
     /// Its value has to be determined again.
     pub is_stale: bool,
     /// Its value at the current position; undef counts as false.
@@ -31,10 +32,10 @@ impl WatchedCondition {
     pub fn new(model: &Model, term: AddedTerm, root: &Term, text: String) -> Self {
         let mut condition = Self {
             term,
-            text,
+            text: text.into(),
             reads_inputs: false,
             is_volatile: false,
-            functions: BTreeSet::new(),
+            functions: Arc::default(),
             is_stale: true,
             value: None,
             before: None,
@@ -77,7 +78,7 @@ impl WatchedCondition {
         asmotion_lang::ir::visit_terms(term, &mut |part| applied.extend(part.kind.function()));
         for id in applied {
             if let Some(function) = model.functions.get(id.0 as usize)
-                && self.functions.insert(FunctionId(id.0))
+                && Arc::make_mut(&mut self.functions).insert(FunctionId(id.0))
             {
                 self.add_function(model, function);
             }

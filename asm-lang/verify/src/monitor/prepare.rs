@@ -17,6 +17,7 @@ use asmotion_lang::ir::AddedTerm;
 use asmotion_lang::{Report, Specification};
 use asmotion_temporal::{Ltl, Monitor, NotMonitorable, ResponseMonitor};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// A property that may be watched, before its formula is examined.
 struct MonitorCandidate {
@@ -113,7 +114,7 @@ impl Monitors {
         match watch {
             Ok((watch, unwatched)) => {
                 self.watches.push(watch);
-                self.watched.push(WatchedProperty {
+                Arc::make_mut(&mut self.watched).push(WatchedProperty {
                     kind: candidate.kind,
                     name: candidate.name,
                     text: candidate.text,
@@ -123,7 +124,7 @@ impl Monitors {
                     unwatched,
                 });
             }
-            Err(reason) => self.unwatched.push(UnwatchedProperty {
+            Err(reason) => Arc::make_mut(&mut self.unwatched).push(UnwatchedProperty {
                 kind: candidate.kind,
                 text: candidate.text,
                 place: candidate.place,
@@ -140,7 +141,7 @@ impl Monitors {
                 Some(_) => "no property follows the comment",
                 None => "its time is no positive number with the unit ms, s or min",
             };
-            self.unwatched.push(UnwatchedProperty {
+            Arc::make_mut(&mut self.unwatched).push(UnwatchedProperty {
                 kind: PropertyKind::Ctl,
                 text: format!("//@Within {}", comment.text),
                 place: place(&specification.sources, comment.at),
@@ -237,7 +238,7 @@ fn watch(
         }
         Some(Some((monitor, within_ns))) => Some(ResponseWatch {
             state: monitor.begin(),
-            monitor,
+            monitor: Arc::new(monitor),
             after_step: None,
             within_ns,
         }),
@@ -261,7 +262,7 @@ fn watch(
     let watch = PropertyWatch {
         safety: safety.map(|monitor| {
             let state = monitor.begin();
-            (monitor, state)
+            (Arc::new(monitor), state)
         }),
         response,
         conditions: conditions.into_iter().collect(),

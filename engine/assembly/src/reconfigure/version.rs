@@ -44,13 +44,17 @@ impl Version {
         coordinators: CoordinatorOptions,
     ) -> Self {
         let here = plan.components.iter().filter(|it| part.has(&it.name));
+        // many components have the same specification
+        let mut known: BTreeMap<&str, Vec<Arc<str>>> = BTreeMap::new();
         let texts = here.filter_map(|component| {
             let file = specification(component)?;
-            let texts = start::specification_texts(file, &*loader);
+            let read = || start::specification_texts(file, &*loader);
+            let texts = known.entry(file).or_insert_with(read).clone();
             Some((component.name.clone(), texts))
         });
+        let texts = texts.collect();
         Self {
-            texts: texts.collect(),
+            texts,
             network: RunningNetwork::default(),
             clients: None,
             plan,

@@ -20,6 +20,7 @@ use crate::effects::Effects;
 use crate::event::{Event, ReportInterest};
 use crate::handle::RunHandle;
 use crate::injection::{InjectionPorts, InjectionTarget};
+use crate::peers::PeerTable;
 use crate::run_error::RunError;
 
 /// Waits for an event.
@@ -50,6 +51,9 @@ pub(crate) trait Executor {
 
     /// The shared descriptors of the components, in order of addition. Positions of removed components are vacant.
     fn descriptors(&self) -> &[ComponentDescriptor];
+
+    /// The components of the system by name.
+    fn peers(&self) -> &PeerTable;
 
     /// The descriptors, for changes of the components and their wires.
     fn descriptors_mut(&mut self) -> &mut Vec<ComponentDescriptor>;
@@ -205,17 +209,24 @@ pub(crate) trait Executor {
 
     /// The descriptor of the component with this name.
     fn descriptor(&self, component: &str) -> Option<&ComponentDescriptor> {
-        self.descriptors()
-            .iter()
-            .find(|descriptor| !descriptor.is_vacant() && *descriptor.name == *component)
+        self.descriptors().get(self.position(component)?)
+    }
+
+    /// The position of the component with this name.
+    fn position(&self, component: &str) -> Option<usize> {
+        let descriptors = self.descriptors();
+        let is_it = |descriptor: &ComponentDescriptor| {
+            !descriptor.is_vacant() && *descriptor.name == *component
+        };
+        let known = self.peers().position(component);
+        let known = known.filter(|known| descriptors.get(*known).is_some_and(is_it));
+        // while components are exchanged, descriptors and peers can differ
+        known.or_else(|| descriptors.iter().position(is_it))
     }
 
     /// The position of the component with this name.
     fn index_of(&self, component: &str) -> Result<usize, RunError> {
-        let index = self
-            .descriptors()
-            .iter()
-            .position(|descriptor| !descriptor.is_vacant() && *descriptor.name == *component);
+        let index = self.position(component);
         index.ok_or_else(|| RunError::Unknown {
             kind: "component",
             name: component.to_owned(),

@@ -7,6 +7,7 @@ use asmotion_component::{Drive, Fault};
 use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
 
+use super::cycle_order::CycleOrder;
 use super::handle::SimulatedHandle;
 use super::queue::{DueQueue, DueWork};
 use crate::component_unit::ComponentUnit;
@@ -31,6 +32,8 @@ pub(super) struct Timeline {
     busy: Vec<usize>,
     /// Slaves of each unit, in the order of the units.
     slaves: Vec<Vec<usize>>,
+    /// The order in which units have cycled lately, to prefetch those that are probably next.
+    order: CycleOrder,
     /// A component has failed whose activity stops all components.
     pub escalated: bool,
     /// Shared with threads outside the simulation.
@@ -112,6 +115,7 @@ impl Timeline {
             schedules: Vec::new(),
             busy: Vec::new(),
             slaves: Vec::new(),
+            order: CycleOrder::default(),
             escalated: false,
             handle: Arc::new(SimulatedHandle::new(units.len())),
         };
@@ -227,6 +231,7 @@ impl SimulatedEffects<'_, '_> {
             units[component].fail(fault, now, self);
             return;
         }
+        self.timeline.order.prefetch_next(units, component);
         let ran = units[component].state().is_running();
         let unit = &mut units[component];
         unit.cycle(now, self);
