@@ -208,8 +208,8 @@ fn what_lent_threads_run_is_told_recorded_and_replayed_alike() {
     let counter = objects.find(|it: &Value| it["type"] == "coordinator");
     let counter = counter.unwrap();
     assert_eq!(counter["result"], "equal", "{counter}");
-    let ends = (run.steps.first(), run.steps.last());
-    assert_eq!(counter["steps"], run.steps.len(), "{counter} {ends:?}");
+    // steps without updates, as the first one, are not told, and counted
+    assert_eq!(counter["steps"], *run.steps.last().unwrap(), "{counter}");
 }
 
 #[test]
