@@ -24,15 +24,12 @@ pub(crate) struct Bridges {
 impl Bridges {
     /// The bridges of a mission of this name with these brokers, by name; without a name if one carries everything.
     pub(crate) fn on(brokers: &BTreeMap<Option<&str>, &BrokerSettings>, composite: &str) -> Self {
-        #[cfg(feature = "ros")]
-        return Self {
+        #[cfg(not(feature = "ros"))]
+        let _ = (brokers, composite);
+        Self {
+            #[cfg(feature = "ros")]
             buses: crate::bus_places::BusPlaces::of(brokers, composite),
             ..Self::default()
-        };
-        #[cfg(not(feature = "ros"))]
-        {
-            let _ = (brokers, composite);
-            Self::default()
         }
     }
 

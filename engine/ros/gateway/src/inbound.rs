@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use asmotion_bridge::{Conversion, Use};
 use asmotion_component::{Cycle, Interface, Losses, Out};
-use asmotion_datum::{Datum, Schema};
+use asmotion_datum::{Datum, Schema, Shape};
 use asmotion_transform::TransformBuffer;
 
 use crate::echo::Echoes;
@@ -54,7 +54,7 @@ impl Inbound {
         let is_alike = mapped.converters.is_empty()
             && mapped.transform.is_none()
             && conversion == Conversion::Same
-            && schema.shape == ros_schema.shape;
+            && is_alike(schema, ros_schema);
         let doc = format!("from the ROS topic `{}`", mapped.ros);
         let port = interface.output_of(&mapped.port, schema.clone(), &doc);
         Ok(Self {
@@ -156,5 +156,55 @@ impl Inbound {
     /// Time until a message has waited for long enough.
     pub(crate) fn patience(&self, now: Instant) -> Option<Duration> {
         self.frames.as_ref()?.patience(now)
+    }
+}
+
+/// Returns whether what is decoded with one schema is complete for the other: the same fields in the same order.
+fn is_alike(one: &Schema, other: &Schema) -> bool {
+    match (&one.shape, &other.shape) {
+        (Shape::Record(one), Shape::Record(other)) => {
+            let mut pairs = one.iter().zip(other);
+            one.len() == other.len()
+                && pairs.all(|(one, other)| {
+                    one.name == other.name && is_alike(&one.schema, &other.schema)
+                })
+        }
+        (Shape::List(one), Shape::List(other)) | (Shape::Option(one), Shape::Option(other)) => {
+            is_alike(one, other)
+        }
+        (Shape::Array(one, count), Shape::Array(other, number)) => {
+            count == number && is_alike(one, other)
+        }
+        (one, other) => one == other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asmotion_datum::OutlineKey;
+
+    use super::*;
+
+    #[test]
+    fn schemas_are_alike_if_they_differ_in_descriptions_alone() {
+        let schema = |fields: &[(&'static str, &'static str, Shape)]| {
+            let fields = fields.iter().map(|(name, doc, shape)| {
+                OutlineKey::new(*name, *doc, Schema::plain(shape.clone()))
+            });
+            Schema::record("example/Point", fields.collect::<Vec<_>>())
+        };
+        let point = schema(&[("x", "m", Shape::F64), ("y", "m", Shape::F64)]);
+        let of_ros = schema(&[("x", "", Shape::F64), ("y", "", Shape::F64)]);
+        assert!(is_alike(&point, &of_ros));
+        for other in [
+            schema(&[("y", "", Shape::F64), ("x", "", Shape::F64)]),
+            schema(&[("x", "", Shape::F64), ("y", "", Shape::F32)]),
+            schema(&[("x", "", Shape::F64)]),
+            Schema::plain(Shape::Any),
+        ] {
+            assert!(!is_alike(&point, &other), "{other}");
+        }
+        let list = |of: &Schema| Schema::plain(Shape::List(Box::new(of.clone())));
+        assert!(is_alike(&list(&point), &list(&of_ros)));
     }
 }
