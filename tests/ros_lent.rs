@@ -227,7 +227,10 @@ fn a_specification_is_replaced_while_lent_threads_run_it() {
     let _driver = driver(&master);
     for version in 1..=3 {
         run.count(500 * version);
-        let text = COUNTER.replace("\t\tpar\n", &format!("\t\tpar {}\n", "skip ".repeat(version)));
+        let text = COUNTER.replace(
+            "\t\tpar\n",
+            &format!("\t\tpar {}\n", "skip ".repeat(version)),
+        );
         std::fs::write(place.path().join("counter.asm"), text).unwrap();
         let arguments = ["reconfigure", composite.to_str().unwrap()];
         let (code, out, err) = tool(&broker, &url, &arguments);

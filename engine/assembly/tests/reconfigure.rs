@@ -196,7 +196,10 @@ task = { period_ms = 10 }
 ";
     let mut files = MemoryFiles::new();
     files.add("main.toml", text);
-    files.add("idle.asm", "asm idle\nsignature:\ndefinitions:\nmain rule r_Main = skip\n");
+    files.add(
+        "idle.asm",
+        "asm idle\nsignature:\ndefinitions:\nmain rule r_Main = skip\n",
+    );
     let specifications = AsmFiles::new(&files);
     let context = Context {
         catalogue: &BUILD,
