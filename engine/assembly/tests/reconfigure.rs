@@ -1,14 +1,12 @@
 //! Reconfiguration (C18): a running composite is changed to its next version or remains unchanged.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asmotion_assembly::reconfigure::{Version, changes};
 use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, Property, Span};
-use asmotion_composite::{AsmFiles, Context, Tables};
+use asmotion_composite::{Context, Tables};
 use asmotion_datum::{Message, Schema};
-use asmotion_diagnostics::{LoadError, Loader};
 use asmotion_lang::MemoryFiles;
 use asmotion_plan::{Opened, Part};
 use asmotion_runtime::{Log, Run};
@@ -166,56 +164,6 @@ const NEXT: &[(&str, &str)] = &[
     ("period_ms = 10", "period_ms = 40"),
     ("properties = { step = 2 }", ""),
 ];
-
-/// Files that count how often one is read.
-struct CountedFiles {
-    files: MemoryFiles,
-    reads: AtomicUsize,
-}
-
-impl Loader for CountedFiles {
-    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
-        self.reads.fetch_add(1, Ordering::Relaxed);
-        self.files.read(path)
-    }
-
-    fn resolve(&self, from: &str, import: &str) -> Option<String> {
-        self.files.resolve(from, import)
-    }
-}
-
-#[test]
-fn a_version_reads_the_specification_of_many_components_once() {
-    let text = "schema = \"composite/1\"
-[composite]
-name = \"many\"
-[components.One]
-for = \"$n in 1..40\"
-implementation = { asm = \"idle.asm\" }
-task = { period_ms = 10 }
-";
-    let mut files = MemoryFiles::new();
-    files.add("main.toml", text);
-    files.add("idle.asm", "asm idle\nsignature:\ndefinitions:\nmain rule r_Main = skip\n");
-    let specifications = AsmFiles::new(&files);
-    let context = Context {
-        catalogue: &BUILD,
-        specifications: &specifications,
-        ..Context::files(&files)
-    };
-    let opened = asmotion_plan::open("main.toml", &context);
-    let said = crate::render::report(&opened.sources, &opened.report);
-    let plan = opened.plan(None).unwrap_or_else(|| panic!("{said}"));
-    let counted = Arc::new(CountedFiles {
-        files: files.clone(),
-        reads: AtomicUsize::new(0),
-    });
-    let loader = Arc::clone(&counted);
-    let options = CoordinatorOptions::seeded(0);
-    let version = Version::new(plan.clone(), Part::Whole, Arc::new(BUILD), loader, options);
-    assert_eq!(version.plan.components.len(), 40);
-    assert_eq!(counted.reads.load(Ordering::Relaxed), 1);
-}
 
 #[test]
 fn c18_what_differs_changes_and_nothing_else() {
