@@ -39,7 +39,7 @@ use asmotion_assembly::{Assembled, CoordinatorOptions, Standard, StartError};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::Programs;
-use asmotion_coordinator::{BRIEF_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT};
+use asmotion_coordinator::{RECORDED_CYCLE_REPORT, STEP_REPORT};
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
@@ -590,14 +590,10 @@ impl Mission {
 }
 
 /// Returns whether an event can end the run. The record of a cycle cannot: a run takes the same course whether it is recorded or
-/// not. A brief report that is a number cannot, either: it says that no control state has changed.
+/// not.
 fn is_notable(event: &Event<'_>) -> bool {
     match event {
-        Event::Report { kind, data, .. } => match *kind {
-            RECORDED_CYCLE_REPORT => false,
-            BRIEF_STEP_REPORT => !matches!(data, Datum::Int(_)),
-            _ => true,
-        },
+        Event::Report { kind, .. } => *kind != RECORDED_CYCLE_REPORT,
         Event::Fault { .. } => true,
         Event::Cycle { .. }
         | Event::Published { .. }
