@@ -300,7 +300,7 @@ impl PreparedSystem {
 }
 
 /// What was found, and the exploration if it is not kept for the next verification.
-type Checked = (Verification, Option<Exploration>);
+type CheckedSystem = (Verification, Option<Exploration>);
 
 /// The subject of an exploration.
 struct Exploring<'a> {
@@ -389,7 +389,7 @@ impl Exploring<'_> {
         plan: &SystemPlan,
         kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Checked, (usize, Report)> {
+    ) -> Result<CheckedSystem, (usize, Report)> {
         let is_single = machines.len() == 1 && plan.is_plain();
         #[cfg(feature = "symbolic")]
         let is_symbolic = self.options.engine == Engine::Symbolic;
@@ -426,7 +426,7 @@ impl Exploring<'_> {
         system: S,
         kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Checked, (usize, Report)> {
+    ) -> Result<CheckedSystem, (usize, Report)> {
         self.run_in(
             &system,
             (self.cone(), self.options.independent),
@@ -443,7 +443,7 @@ impl Exploring<'_> {
         (cone, independent): (Option<BTreeSet<usize>>, bool),
         mut kept: Option<(String, &mut KeptExploration)>,
         proceed: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Checked, (usize, Report)> {
+    ) -> Result<CheckedSystem, (usize, Report)> {
         let conditions = &self.properties.conditions;
         let reused = kept.as_mut().and_then(|(basis, kept)| {
             kept.reused(basis, system, conditions, self.properties.needs_graph())

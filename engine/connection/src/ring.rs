@@ -26,13 +26,13 @@ struct Padded<T>(T);
 /// Number of slots that a ring begins with.
 const FEW: usize = 4;
 
-type Slot<T> = UnsafeCell<MaybeUninit<T>>;
+type RingSlot<T> = UnsafeCell<MaybeUninit<T>>;
 
 struct Ring<T> {
     /// The slots of the values below `switch`. Their number is a power of two.
-    few: Box<[Slot<T>]>,
+    few: Box<[RingSlot<T>]>,
     /// The slots of the other values, as many as the ring has room for, rounded up to a power of two.
-    all: OnceLock<Box<[Slot<T>]>>,
+    all: OnceLock<Box<[RingSlot<T>]>>,
     /// Number of the first value in `all`; `usize::MAX` until there is one. Stored by the writer before the `write_index` that
     /// passes this value on. A reader that takes a value with a lower number may see either content: both say `few`.
     switch: AtomicUsize,
@@ -99,7 +99,7 @@ pub(crate) fn ring<T>(size: usize) -> (RingWriter<T>, RingReader<T>) {
 }
 
 /// Creates slots for so many values, rounded up to a power of two.
-fn slots<T>(size: usize) -> Box<[Slot<T>]> {
+fn slots<T>(size: usize) -> Box<[RingSlot<T>]> {
     let slots = (0..size.next_power_of_two()).map(|_| UnsafeCell::new(MaybeUninit::uninit()));
     slots.collect()
 }
@@ -107,8 +107,8 @@ fn slots<T>(size: usize) -> Box<[Slot<T>]> {
 impl<T> Ring<T> {
     /// The slot of a value that the writer is about to write, or has passed on.
     #[inline(always)]
-    fn slot(&self, number: usize) -> &Slot<T> {
-        let mut slots: &[Slot<T>] = &self.few;
+    fn slot(&self, number: usize) -> &RingSlot<T> {
+        let mut slots: &[RingSlot<T>] = &self.few;
         // a ring is used for less than 2⁶⁴ values
         if number >= self.switch.load(Ordering::Relaxed) {
             slots = self.all_slots();
@@ -120,7 +120,7 @@ impl<T> Ring<T> {
 
     /// The slots for all values, which are allocated if need be.
     #[inline]
-    fn all_slots(&self) -> &[Slot<T>] {
+    fn all_slots(&self) -> &[RingSlot<T>] {
         self.all.get_or_init(|| slots(self.size))
     }
 }

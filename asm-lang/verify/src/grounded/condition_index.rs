@@ -14,13 +14,13 @@ const MAX_WORDS: usize = 1 << 15;
 
 /// Consecutive bits of a word, the fields in which are looked up together.
 #[derive(Clone, Copy, Debug)]
-struct Window {
+struct FieldWindow {
     word: usize,
     shift: u32,
     bits: u32,
 }
 
-impl Window {
+impl FieldWindow {
     fn of(field: &Field) -> Self {
         Self {
             word: field.word,
@@ -67,7 +67,7 @@ pub(crate) struct ConditionIndex<const W: usize> {
     /// Number of words of a set of conditions.
     words: usize,
     /// Windows, each with the place of its sets in `sets`.
-    windows: Vec<(Window, usize)>,
+    windows: Vec<(FieldWindow, usize)>,
     /// For each window and code, the conditions that it permits.
     sets: Vec<u64>,
     /// All conditions.
@@ -197,14 +197,18 @@ impl<const W: usize> Iterator for HeldConditions<'_, W> {
 }
 
 /// Returns windows that together contain the fields of up to [`MAX_BITS`] that conditions read.
-fn windows<const W: usize>(layout: &WordLayout, words: usize, reads: &[Words<W>]) -> Vec<Window> {
+fn windows<const W: usize>(
+    layout: &WordLayout,
+    words: usize,
+    reads: &[Words<W>],
+) -> Vec<FieldWindow> {
     let all = reads.iter().fold([0; W], |all, reads| union(&all, reads));
     let read = |field: &&Field| field.bits() <= MAX_BITS && overlaps(&all, &field.bits_in());
     let mut fields: Vec<&Field> = layout.fields.iter().filter(read).collect();
     fields.sort_by_key(|field| (field.word, field.shift));
-    let mut windows: Vec<Window> = Vec::new();
+    let mut windows: Vec<FieldWindow> = Vec::new();
     for field in fields {
-        let own = Window::of(field);
+        let own = FieldWindow::of(field);
         let joined = windows.last().and_then(|last| last.up_to(own));
         let joined =
             joined.filter(|it| it.bits <= MAX_BITS && it.codes() * words <= MAX_WINDOW_WORDS);

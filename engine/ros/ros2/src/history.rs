@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 /// The messages of a writer since all readers had acknowledged everything.
-pub(crate) struct History {
+pub(crate) struct KeptMessages {
     /// Number and length.
     messages: VecDeque<(i64, usize)>,
     bytes: usize,
@@ -24,7 +24,7 @@ pub(crate) struct Overflow {
     pub(crate) messages: u64,
 }
 
-impl History {
+impl KeptMessages {
     /// Keeps `depth` messages in any case, and at most `most`, which is larger, of this length.
     pub(crate) fn new(depth: usize, most: usize, most_bytes: usize) -> Self {
         Self {
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_older_half_is_given_up_by_length_or_number() {
-        let mut history = History::new(2, 10, 100);
+        let mut history = KeptMessages::new(2, 10, 100);
         for number in 1..=10 {
             history.push(number, 1);
             assert_eq!(history.overflow(), None);

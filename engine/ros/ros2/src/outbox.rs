@@ -17,7 +17,7 @@ use rustdds::{SampleIdentity, Timestamp, WriteOptions, WriteOptionsBuilder};
 use crate::error::SendError;
 use crate::gid::Gid;
 use crate::graph::SharedGraph;
-use crate::history::{History, Overflow};
+use crate::history::{KeptMessages, Overflow};
 use crate::notice::Notice;
 use crate::payload::{Payload, Raw};
 use crate::reactor::Chore;
@@ -75,7 +75,7 @@ struct State {
     waiting: VecDeque<(Bytes, WriteOptions)>,
     counts: PublisherCounts,
     /// Messages that DDS may keep for readers.
-    history: History,
+    history: KeptMessages,
     /// A reader that does not acknowledge was noticed, and not all have acknowledged since.
     is_behind: bool,
     /// The latest match of a reader that has got its first message.
@@ -96,7 +96,7 @@ impl Outbox {
         topic: &str,
         writer: DataWriter<Payload, Raw>,
         capacity: usize,
-        (history, readers): (History, Option<Readers>),
+        (history, readers): (KeptMessages, Option<Readers>),
     ) -> Self {
         let state = State {
             waiting: VecDeque::new(),

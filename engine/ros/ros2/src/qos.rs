@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use rustdds::{QosPolicies, QosPolicyBuilder, policy};
 
-use crate::history::History;
+use crate::history::KeptMessages;
 
 /// Repetition of lost messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -156,11 +156,11 @@ impl Qos {
     }
 
     /// The bookkeeping of what a writer keeps, which gives up messages before the window is full.
-    pub(crate) fn history(self) -> History {
+    pub(crate) fn history(self) -> KeptMessages {
         let (depth, window) = (self.queue(), self.window());
         match self.durability {
-            Durability::Volatile => History::new(depth, window / 2, KEPT_BYTES),
-            Durability::TransientLocal => History::new(depth, window - MARGIN, usize::MAX),
+            Durability::Volatile => KeptMessages::new(depth, window / 2, KEPT_BYTES),
+            Durability::TransientLocal => KeptMessages::new(depth, window - MARGIN, usize::MAX),
         }
     }
 
