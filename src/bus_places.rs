@@ -31,8 +31,8 @@ impl BusPlaces {
         }
     }
 
-    /// What stands, among relays, for the topic of a port on a bus, for the port itself, which other robots reach, and for the ports of
-    /// other robots with which it is connected. Empty without a bus.
+    /// Returns the names under which relays list a port on a bus: that of its topic, that of the port itself, which other robots reach,
+    /// and those of the ports of other robots with which it is connected. Empty without a bus.
     pub(crate) fn of_port(&self, plan: &Plan, component: &Component, port: &str) -> Vec<String> {
         let named = || {
             let broker = plan.broker_of(&component.name)?;

@@ -123,7 +123,7 @@ pub struct ConditionValue {
 /// The monitors of a specification.
 #[derive(Clone, Debug, Default)]
 pub struct Monitors {
-    /// What does not change is shared by the monitors of all machines of a specification.
+    /// Shared by the monitors of all machines of a specification, as are `unwatched`.
     watched: Arc<Vec<WatchedProperty>>,
     unwatched: Arc<Vec<UnwatchedProperty>>,
     conditions: Vec<WatchedCondition>,

@@ -299,7 +299,7 @@ impl PreparedSystem {
     }
 }
 
-/// What was found, and the exploration if it is not kept for the next verification.
+/// The result of a verification, with its exploration unless a `KeptExploration` has taken that.
 type CheckedSystem = (Verification, Option<Exploration>);
 
 /// The subject of an exploration.

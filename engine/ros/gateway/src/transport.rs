@@ -89,10 +89,10 @@ pub trait RosConnection: Send {
     }
 }
 
-/// What a bridge has to do about its connection.
+/// The state of the connection of a bridge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConnectionState {
-    /// Nothing.
+    /// All known peers are reached.
     Sound,
     /// A peer is not reached; the bridge joins again when no call is under way.
     Partial,

@@ -339,7 +339,7 @@ impl SharedGraph {
         self.wake_for_notices();
     }
 
-    /// Sets how somebody begins to look for participants whose lease has ended.
+    /// Sets the function that starts looking for participants whose lease has ended.
     pub(crate) fn set_scout(&self, scout: StartScout) {
         // the first one stays: there is one for each participant
         let _ = self.scout.set(scout);

@@ -49,7 +49,7 @@ impl KeptMessages {
         last.map(|(number, _)| number)
     }
 
-    /// Whether it is time to ask for acknowledgements: half of what is allowed is kept.
+    /// Returns `true` if half of the limit is reached, so that readers should be asked for acknowledgements.
     pub(crate) fn is_long(&self) -> bool {
         self.exceeds(2)
     }

@@ -45,7 +45,7 @@ pub struct PublisherCounts {
     pub released: u64,
 }
 
-/// What a writer whose readers acknowledge knows of them.
+/// The matched readers of a reliable writer.
 pub(crate) struct Readers {
     pub(crate) graph: Arc<SharedGraph>,
     pub(crate) acknowledger: Arc<Acknowledger>,
