@@ -20,6 +20,7 @@ mod search;
 mod show;
 mod system;
 mod watch;
+mod watched_results;
 mod words;
 
 use self::progress::ExplorationProgress;
@@ -40,6 +41,7 @@ use search::SearchOptions;
 use std::path::PathBuf;
 use std::time::Duration;
 use system::SystemOptions;
+use watched_results::WatchedResults;
 
 /// Verifies properties of specifications for all inputs and choices.
 #[derive(Args)]
@@ -126,7 +128,7 @@ pub struct Verify {
     #[arg(long, conflicts_with_all = ["trace", "avalla", "itf", "watch", "advice"])]
     mutants: bool,
 
-    /// Verifies again when a file of the specification changes, and shows which verdicts change
+    /// Verifies again when a file of the specification or composite changes, and shows which verdicts change
     #[arg(long, conflicts_with = "json")]
     watch: bool,
 
@@ -148,16 +150,22 @@ pub struct Verify {
     files: NotedFiles,
 }
 
+const MUTANTS_OF_ONE: &str = "`--mutants` is for one specification";
+
 impl Verify {
     pub fn run(self, build: &Build, terminal: &mut TerminalOutput) -> Exit {
         interrupt::install();
-        if (self.watch || self.mutants) && (self.system.together || self.paths.len() != 1) {
-            terminal.error("`--watch` and `--mutants` are for one specification");
-            return Exit::Usage;
-        }
         if self.system.together {
-            let exit = self.together(terminal);
-            return exit.unwrap_or_else(|exit| exit);
+            if self.mutants {
+                terminal.error(MUTANTS_OF_ONE);
+                return Exit::Usage;
+            }
+            let paths = self.paths.iter().map(|path| path.display().to_string());
+            let paths = paths.collect::<Vec<String>>().join(" ");
+            return self.once_or_watched(&paths, terminal, |watched, terminal| {
+                let exit = self.together(&paths, watched, terminal);
+                exit.unwrap_or_else(|exit| exit)
+            });
         }
         let files = match named_files(&self.paths, &[FileKind::Specification]) {
             Ok(files) => files,
@@ -182,31 +190,58 @@ impl Verify {
                 .error("`--trace`, `--avalla` and `--itf` are for one specification or composite");
             return Exit::Usage;
         }
-        if let ([file], true) = (files.as_slice(), self.watch) {
-            return self.watch_file(&file.text(), terminal);
-        }
-        if let ([file], true) = (files.as_slice(), self.mutants) {
-            return self.mutants_of(&file.text(), terminal);
-        }
-        if self.watch || self.mutants {
-            terminal.error("`--watch` and `--mutants` are for one specification");
+        if self.watch && files.len() + composites.len() != 1 {
+            terminal.error(
+                "`--watch` is for one specification, one composite, or specifications with `--together`",
+            );
             return Exit::Usage;
+        }
+        if self.mutants {
+            let ([file], []) = (files.as_slice(), composites.as_slice()) else {
+                terminal.error(MUTANTS_OF_ONE);
+                return Exit::Usage;
+            };
+            return self.mutants_of(&file.text(), terminal);
         }
         let mut worst = Exit::Ok;
         for composite in &composites {
-            worst = worst.max(self.composite(build, &composite.text(), terminal));
+            let path = composite.text();
+            let verify =
+                |watched: &mut _, terminal: &mut _| self.composite(build, &path, watched, terminal);
+            worst = worst.max(self.once_or_watched(&path, terminal, verify));
         }
         for file in &files {
-            worst = worst.max(self.file(&file.text(), terminal));
+            let path = file.text();
+            let verify = |watched: &mut _, terminal: &mut _| self.file(&path, watched, terminal);
+            worst = worst.max(self.once_or_watched(&path, terminal, verify));
         }
         worst
     }
 
+    /// Verifies once, or again and again with `--watch`.
+    fn once_or_watched(
+        &self,
+        paths: &str,
+        terminal: &mut TerminalOutput,
+        mut verify: impl FnMut(&mut WatchedResults, &mut TerminalOutput) -> Exit,
+    ) -> Exit {
+        if self.watch {
+            self.watch(paths, terminal, verify)
+        } else {
+            verify(&mut WatchedResults::none(), terminal)
+        }
+    }
+
     /// Verifies the specification at a path.
-    fn file(&self, path: &str, terminal: &mut TerminalOutput) -> Exit {
+    fn file(
+        &self,
+        path: &str,
+        watched: &mut WatchedResults,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
         match self.file_system(path, terminal) {
             Ok(Some(system)) => self
-                .verified(path, system, terminal)
+                .verified(path, system, watched, terminal)
                 .unwrap_or_else(|exit| exit),
             Ok(None) => Exit::Ok,
             Err(exit) => exit,
@@ -233,15 +268,18 @@ impl Verify {
     }
 
     /// Verifies the specifications as machines of one system.
-    fn together(&self, terminal: &mut TerminalOutput) -> Result<Exit, Exit> {
+    fn together(
+        &self,
+        paths: &str,
+        watched: &mut WatchedResults,
+        terminal: &mut TerminalOutput,
+    ) -> Result<Exit, Exit> {
         if self.init.as_ref().is_some_and(|init| !init.contains('=')) {
             terminal.error("several specifications: write `--init MACHINE=NAME`");
             return Err(Exit::Usage);
         }
         let system = self.machines(terminal)?;
-        let paths = self.paths.iter().map(|path| path.display().to_string());
-        let paths: Vec<String> = paths.collect();
-        self.verified(&paths.join(" "), system, terminal)
+        self.verified(paths, system, watched, terminal)
     }
 
     /// Verifies a system and shows the result.
@@ -249,10 +287,14 @@ impl Verify {
         &self,
         path: &str,
         system: SystemSpecification,
+        watched: &mut WatchedResults,
         terminal: &mut TerminalOutput,
     ) -> Result<Exit, Exit> {
-        let (verification, time) = self.verification(system, None, terminal)?;
-        Ok(self.present(path, &verification, time, terminal))
+        let (verification, time) =
+            self.verification(system, watched.exploration(path), terminal)?;
+        let exit = self.present(path, &verification, time, terminal);
+        watched.show_changes(path, &verification, terminal);
+        Ok(exit)
     }
 
     /// Verifies a system, and shows the progress and the reasons for which it cannot be verified.

@@ -236,3 +236,53 @@ services = { dispatch = \"courier/Dispatch\" }
         assert_ne!(exit, 0, "{out}{err}");
     }
 }
+
+/// Specifications of a composite that exchange messages, of which one calls a service of another component: each outcome of the call
+/// can occur, and so does no outcome.
+#[test]
+fn outcomes_of_calls_occur_in_specifications_that_exchange_messages() {
+    let town = format!(
+        "{}{}",
+        TOWN.replace(
+            "references = { dispatcher = \"courier/Dispatch\" }\n",
+            "references = { dispatcher = \"courier/Dispatch\", maps = \"nav/MapService\" }\n\
+             [components.Courier.bind.out.order]\n\
+             ASK = { call = \"maps.getMap\", with = { name = \"office\" }, ok = \"FOUND\", failed = \"LOST\", event = \"answer\" }\n\
+             [components.Server]\n\
+             implementation = { rust = \"nav::MapServer\" }\nactivity = { period_ms = 100 }\n\
+             services = { maps = \"nav/MapService\" }\nproperties = { source = \"office=office.yaml\" }\n"
+        ),
+        "[[wires]]\nreference = \"Courier.maps\"\nservice = \"Server.maps\"\ntimeout_ms = 500\n"
+    );
+    let folder = couriers(&town);
+    let courier = folder.path().join("courier.asm");
+    let text = std::fs::read_to_string(&courier).unwrap();
+    let text = text
+        .replace(
+            "\tmonitored busy",
+            "\tenum domain Answer = {NOTHING | FOUND | LOST}\n\tenum domain Order = {REST | ASK}\n\
+             \tmonitored answer: Answer\n\tout order: Order\n\tcontrolled seen: Answer\n\tmonitored busy",
+        )
+        .replace(
+            "\t\tif busy then",
+            "\t\torder := ASK\n\t\tseen := answer\n\t\tif busy then",
+        )
+        .replace(
+            "\tfunction sawBusy",
+            "\tfunction order = REST\n\tfunction seen = NOTHING\n\tfunction sawBusy",
+        );
+    std::fs::write(&courier, text).unwrap();
+    let path = folder.path().join("town.composite.toml");
+    let path = path.display().to_string();
+    let (exit, out, err) = run(&["check", &path]);
+    assert_eq!(exit, 0, "{out}{err}");
+    for seen in ["FOUND", "LOST"] {
+        let possible = format!("Courier.seen = {seen} and Courier.mode = UNDERWAY");
+        let (exit, out, err) = run(&["verify", &path, "--bound", "8", "--possible", &possible]);
+        assert_eq!(exit, 0, "{out}{err}");
+        assert!(
+            out.contains(&format!("holds     possible: {possible}")),
+            "{out}"
+        );
+    }
+}

@@ -43,13 +43,18 @@ struct Watched {
 impl Watched {
     /// Watches `lamp.asm` in a folder with these files.
     fn of(files: &[(&str, &str)]) -> Self {
+        Self::with(files, &["verify", "lamp.asm", "--watch"])
+    }
+
+    /// Runs a command in a folder with these files.
+    fn with(files: &[(&str, &str)], arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in files {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let log = std::fs::File::create(folder.path().join("log")).unwrap();
         let child = Command::new(env!("CARGO_BIN_EXE_asmotion"))
-            .args(["verify", "lamp.asm", "--watch"])
+            .args(arguments)
             .current_dir(folder.path())
             .stdout(log.try_clone().unwrap())
             .stderr(Stdio::from(log))
@@ -245,5 +250,130 @@ fn a_file_may_disappear_for_a_moment() {
     watched.write("lamp.asm", LAMP);
     let back = watched.verification(4);
     assert!(back.contains("no verdict has changed"), "{back}");
+    assert_eq!(watched.end(), Some(0));
+}
+
+const MAPS: &str = "asm maps
+import CTLLibrary
+import StandardLibrary
+signature:
+  enum domain Mode = {ASKING | READY}
+  enum domain Answer = {NOTHING | FOUND | LOST}
+  enum domain Order = {REST | ASK}
+  monitored answer: Answer
+  out order: Order
+  controlled mode: Mode
+definitions:
+  CTLSPEC gets_it: ef(mode = READY)
+  main rule r_Main =
+    switch mode
+      case ASKING: if answer = FOUND then mode := READY else order := ASK endif
+      case READY: order := REST
+    endswitch
+default init s0:
+  function mode = ASKING
+  function order = REST
+";
+
+const MAPS_COMPOSITE: &str = "schema = \"composite/1\"
+[composite]
+name = \"maps\"
+[components.Coordinator]
+implementation = { asm = \"maps.asm\" }
+activity = { period_ms = 100 }
+references = { maps = \"nav/MapService\" }
+[components.Coordinator.bind.out.order]
+ASK = { call = \"maps.getMap\", with = { name = \"office\" }, ok = \"FOUND\", failed = \"LOST\", event = \"answer\" }
+[components.Lamp]
+implementation = { asm = \"lamp.asm\" }
+activity = { period_ms = 100 }
+[components.Server]
+implementation = { rust = \"nav::MapServer\" }
+activity = { period_ms = 100 }
+services = { maps = \"nav/MapService\" }
+properties = { source = \"office=office.yaml\" }
+[[wires]]
+reference = \"Coordinator.maps\"
+service = \"Server.maps\"
+timeout_ms = 500
+";
+
+const MAPS_FILE: &str = "maps.composite.toml";
+
+/// Each component keeps its own states and verdicts; the composite is watched as its specifications are.
+#[test]
+fn the_files_of_a_composite_are_watched() {
+    // without an input, to which no connection leads
+    let lamp = LAMP
+        .replace("if button then ", "")
+        .replace(" endif", "")
+        .replace("  monitored button: Boolean\n", "");
+    let specification = "maps.asm";
+    let files = [
+        (MAPS_FILE, MAPS_COMPOSITE),
+        (specification, MAPS),
+        ("lamp.asm", &lamp),
+        ("Limits.asm", LIMITS),
+    ];
+    let watched = Watched::with(&files, &["verify", MAPS_FILE, "--watch"]);
+    let first = watched.verification(1);
+    assert!(first.contains("holds     CTLSPEC gets_it"), "{first}");
+    assert!(first.contains("holds     CTLSPEC stays_low"), "{first}");
+    // a property of one component
+    let asked = MAPS.replace("ef(mode = READY)", "ag(mode = ASKING)");
+    watched.replace(specification, &asked);
+    let second = watched.verification(2);
+    assert_eq!(second.matches(REUSED).count(), 2, "{second}");
+    assert!(
+        second.contains("changed   new: violated, CTLSPEC gets_it: ag(mode = ASKING)"),
+        "{second}"
+    );
+    assert!(second.contains("no verdict has changed"), "{second}");
+    // the binding of its input, in the composite
+    let lost = MAPS_COMPOSITE.replace("ok = \"FOUND\"", "ok = \"LOST\"");
+    watched.write(MAPS_FILE, &lost);
+    let third = watched.verification(3);
+    assert_eq!(third.matches(REUSED).count(), 1, "{third}");
+    assert!(
+        third.contains("changed   now holds (was violated): CTLSPEC gets_it: ag(mode = ASKING)"),
+        "{third}"
+    );
+    // a mistake in it
+    watched.write(MAPS_FILE, &lost.replace("ok = ", "okay = "));
+    let wrong = watched.verification(4);
+    assert!(wrong.contains("okay"), "{wrong}");
+    watched.write(MAPS_FILE, MAPS_COMPOSITE);
+    let fifth = watched.verification(5);
+    assert!(
+        fifth.contains("changed   now violated (was holds): CTLSPEC gets_it: ag(mode = ASKING)"),
+        "{fifth}"
+    );
+    // a file that only one of them imports
+    watched.replace("Limits.asm", &LIMITS.replace("= 2", "= 4"));
+    let sixth = watched.verification(6);
+    assert_eq!(sixth.matches(REUSED).count(), 1, "{sixth}");
+    assert!(sixth.contains("5 states"), "{sixth}");
+    assert_eq!(watched.end(), Some(1));
+}
+
+/// Two lamps as machines of one system, which import one file.
+#[test]
+fn specifications_that_are_verified_together_are_watched() {
+    let other = LAMP.replace("asm lamp", "asm light");
+    let files = [
+        ("lamp.asm", LAMP),
+        ("light.asm", &other),
+        ("Limits.asm", LIMITS),
+    ];
+    let together = ["verify", "--together", "lamp.asm", "light.asm", "--watch"];
+    let watched = Watched::with(&files, &together);
+    let first = watched.verification(1);
+    assert!(first.contains("9 states"), "{first}");
+    watched.replace("light.asm", &other.replace("level + 1", "level + 2"));
+    let second = watched.verification(2);
+    assert!(second.contains("no verdict has changed"), "{second}");
+    watched.replace("Limits.asm", &LIMITS.replace("= 2", "= 3"));
+    let third = watched.verification(3);
+    assert!(third.contains("8 states"), "{third}");
     assert_eq!(watched.end(), Some(0));
 }

@@ -254,15 +254,25 @@ impl Tab {
         }
     }
 
-    /// Clicks the first element that the expression returns.
+    /// Clicks the first element that the expression returns. A click that another element got, because the page moved in between, is
+    /// repeated.
     pub fn click(&mut self, element: &str) {
-        let place = self.wait(&format!(
-            "(() => {{ const it = {element}; if (!it || it.disabled || it.hidden) return null; it.scrollIntoView({{ block: 'center' }}); \
-             const box = it.getBoundingClientRect(); return [box.left + box.width / 2, box.top + box.height / 2]; }})()"
-        ));
-        let (x, y) = (place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
-        self.mouse("mousePressed", x, y);
-        self.mouse("mouseReleased", x, y);
+        let begun = Instant::now();
+        loop {
+            let place = self.wait(&format!(
+                "(() => {{ const it = {element}; if (!it || it.disabled || it.hidden) return null; it.scrollIntoView({{ block: 'center' }}); \
+                 window.isClicked = false; it.addEventListener('click', () => window.isClicked = true, {{ once: true, capture: true }}); \
+                 const box = it.getBoundingClientRect(); return [box.left + box.width / 2, box.top + box.height / 2]; }})()"
+            ));
+            let (x, y) = (place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+            self.mouse("mousePressed", x, y);
+            self.mouse("mouseReleased", x, y);
+            // a click that leads to another page leaves nothing to ask
+            if self.eval("window.isClicked") != false {
+                return;
+            }
+            assert!(begun.elapsed() < PATIENCE, "{element} gets no click");
+        }
     }
 
     /// Sends an event of the left button.

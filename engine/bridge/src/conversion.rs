@@ -106,12 +106,29 @@ impl Conversion {
         }
     }
 
-    /// Converts data as [`apply`](Self::apply) does, without a copy of those that stay as they are.
+    /// Converts data as [`apply`](Self::apply) does, without a copy of the parts that stay as they are.
     pub fn convert(&self, data: Datum) -> Datum {
-        match self {
-            Self::Same => data,
-            Self::Then(first, next) => next.convert(first.convert(data)),
-            Self::Fields(_) | Self::Into(..) | Self::OutOf(..) | Self::Each(_) => self.apply(&data),
+        match (self, data) {
+            (Self::Same, data) => data,
+            (Self::Fields(fields), Datum::Record(mut entries)) => {
+                let converted = fields.iter().map(|(name, inner)| {
+                    let found = entries.iter_mut().find(|(entry, _)| entry == name);
+                    match found.map(std::mem::take) {
+                        Some((name, part)) => (name, inner.convert(part)),
+                        None => (Cow::Owned(name.clone()), inner.convert(Datum::Null)),
+                    }
+                });
+                Datum::Record(converted.collect())
+            }
+            (Self::Into(field, inner), data) => {
+                Datum::record([(field.clone(), inner.convert(data))])
+            }
+            (Self::Each(inner), Datum::List(elements)) => {
+                let elements = elements.into_iter();
+                Datum::List(elements.map(|element| inner.convert(element)).collect())
+            }
+            (Self::Fields(_) | Self::OutOf(..) | Self::Each(_), data) => self.apply(&data),
+            (Self::Then(first, next), data) => next.convert(first.convert(data)),
         }
     }
 
@@ -232,7 +249,10 @@ mod tests {
 
     /// Converts data, if there is a conversion.
     fn convert(from: &Schema, to: &Schema, how: Use, data: &Datum) -> Option<Datum> {
-        Conversion::between(from, to, how).map(|conversion| conversion.apply(data))
+        let conversion = Conversion::between(from, to, how)?;
+        let converted = conversion.apply(data);
+        assert_eq!(conversion.convert(data.clone()), converted);
+        Some(converted)
     }
 
     #[test]

@@ -63,6 +63,17 @@ impl Payload {
         self.to_datum_of(Datum::schema())
     }
 
+    /// Returns the content as a datum, without a copy if no other pointer to it exists.
+    ///
+    /// # Errors
+    /// As [`to_datum`](Self::to_datum).
+    pub fn into_datum(self) -> Result<Datum, DatumError> {
+        match self {
+            Self::Sample(sample) => sample.read(),
+            Self::Bytes { codec, bytes } => codec.decode(&bytes, Datum::schema()),
+        }
+    }
+
     /// Converts the content to a datum of this schema.
     ///
     /// # Errors

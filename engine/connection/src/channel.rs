@@ -45,7 +45,7 @@ pub fn channel<T>(kind: BufferKind) -> (Sender<T>, Receiver<T>) {
         }
         // not a ring: the writer also removes samples from the front
         BufferKind::Circular(_) => {
-            let queue = SharedBuffer::lock_free(kind);
+            let queue = SharedBuffer::reservable(kind);
             (Sender::shared(queue.clone()), Receiver::shared(queue))
         }
     }
@@ -91,12 +91,13 @@ impl<T> Receiver<T> {
     }
 
     /// Allocates memory for as many samples as the connection can hold. Without this, a buffer of many samples allocates most of
-    /// its memory when more than a few samples wait, in the thread that sends.
+    /// its memory when more than a few samples wait, and a circular buffer with the first sample, in the thread that sends.
     pub fn reserve(&self) {
         match &self.0 {
             ReceiverKind::Buffer(reader) => reader.reserve(),
-            // they have their memory from the beginning, or wait for the first sample on purpose
-            ReceiverKind::Newest(_) | ReceiverKind::Shared(_) => {}
+            ReceiverKind::Shared(shared) => shared.reserve(),
+            // has its memory from the beginning
+            ReceiverKind::Newest(_) => {}
         }
     }
 
@@ -213,6 +214,24 @@ mod tests {
             assert_eq!(got, kept, "{kind:?}");
             assert_eq!(receiver.take(), None, "{kind:?}");
         }
+    }
+
+    #[test]
+    fn a_circular_buffer_is_allocated_by_its_reader_or_with_the_first_sample() {
+        let is_allocated = |receiver: &Receiver<u64>| match &receiver.0 {
+            ReceiverKind::Shared(SharedBuffer::OnDemand(queue)) => queue.is_allocated(),
+            ReceiverKind::Shared(_) | ReceiverKind::Newest(_) | ReceiverKind::Buffer(_) => true,
+        };
+        let kind = BufferKind::Circular(3);
+        let ((mut sender, sent), (_, reserved)) = (channel(kind), channel(kind));
+        assert!(!is_allocated(&sent) && !is_allocated(&reserved));
+        assert_eq!(sender.send(1), PushOutcome::Stored);
+        reserved.reserve();
+        assert!(is_allocated(&sent) && is_allocated(&reserved));
+        // one that is for senders outside waits for them
+        let outside = Pool::on_demand(kind).receiver();
+        outside.reserve();
+        assert!(!is_allocated(&outside));
     }
 
     #[test]

@@ -21,10 +21,24 @@ pub(crate) enum SharedBuffer<T> {
     OnDemand(Arc<QueueOnDemand<T>>),
 }
 
-/// A lock-free queue that is allocated with the first sample. Most connections into a system from outside are never used.
+/// A lock-free queue that is allocated with the first sample, unless its reader [reserves](SharedBuffer::reserve) it.
 pub(crate) struct QueueOnDemand<T> {
     kind: BufferKind,
     queue: OnceLock<Box<ArrayQueue<T>>>,
+    /// Whether it waits for the first sample in any case. Most connections into a system from outside are never used.
+    always_waits: bool,
+}
+
+impl<T> QueueOnDemand<T> {
+    #[cfg(test)]
+    pub(crate) fn is_allocated(&self) -> bool {
+        self.queue.get().is_some()
+    }
+
+    fn allocated(&self) -> &ArrayQueue<T> {
+        let make = || Box::new(ArrayQueue::new(self.kind.size()));
+        self.queue.get_or_init(make)
+    }
 }
 
 impl<T> SharedBuffer<T> {
@@ -40,10 +54,29 @@ impl<T> SharedBuffer<T> {
 
     /// A lock-free queue that is allocated with the first sample.
     pub(crate) fn on_demand(kind: BufferKind) -> Self {
+        Self::allocated_later(kind, true)
+    }
+
+    /// A lock-free queue that is allocated with the first sample, or by [`reserve`](Self::reserve).
+    pub(crate) fn reservable(kind: BufferKind) -> Self {
+        Self::allocated_later(kind, false)
+    }
+
+    fn allocated_later(kind: BufferKind, always_waits: bool) -> Self {
         Self::OnDemand(Arc::new(QueueOnDemand {
             kind,
             queue: OnceLock::new(),
+            always_waits,
         }))
+    }
+
+    /// Allocates a [reservable](Self::reservable) queue.
+    pub(crate) fn reserve(&self) {
+        if let Self::OnDemand(on_demand) = self
+            && !on_demand.always_waits
+        {
+            on_demand.allocated();
+        }
     }
 
     pub(crate) fn push(&self, sample: T) -> PushOutcome {
@@ -52,8 +85,7 @@ impl<T> SharedBuffer<T> {
             Self::Buffer(queue) => push_buffer(queue, sample),
             Self::Circular(queue) => push_circular(queue, sample),
             Self::OnDemand(on_demand) => {
-                let make = || Box::new(ArrayQueue::new(on_demand.kind.size()));
-                let queue = on_demand.queue.get_or_init(make);
+                let queue = on_demand.allocated();
                 match on_demand.kind {
                     BufferKind::Data => push_newest(queue, sample),
                     BufferKind::Buffer(_) => push_buffer(queue, sample),

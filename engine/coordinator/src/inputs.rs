@@ -57,7 +57,7 @@ impl MessageInputs {
         frame: &mut InputFrame,
     ) -> Result<Self, BindError> {
         let mut inputs = Self {
-            inputs: Vec::new(),
+            inputs: Vec::with_capacity(binding.monitored.len()),
             owners: Vec::new(),
             losses: Losses::default(),
             dropped_elsewhere: 0,
@@ -79,7 +79,10 @@ impl MessageInputs {
         name: &LocationName,
         frame: &mut InputFrame,
     ) -> Result<(), BindError> {
-        for (location, bound) in input.located.all().into_iter().enumerate() {
+        let located = input.located.all();
+        input.locations.reserve_exact(located.len());
+        self.owners.reserve(located.len());
+        for (location, bound) in located.into_iter().enumerate() {
             let position = frame.bind(input.located.function, bound.arguments.clone());
             let position = position.ok_or_else(|| BindError::BoundTwice {
                 location: name.to_string(),
@@ -97,6 +100,8 @@ impl MessageInputs {
                 location,
             });
         }
+        // an input is large, and few follow
+        self.inputs.reserve_exact(1);
         self.inputs.push(input);
         Ok(())
     }

@@ -147,8 +147,18 @@ impl Schema {
     fn complete_fields(
         &self,
         fields: &[OutlineKey],
-        entries: Vec<(FieldName, Datum)>,
+        mut entries: Vec<(FieldName, Datum)>,
     ) -> Result<Datum, DatumError> {
+        let mut pairs = entries.iter().zip(fields);
+        let are_in_order =
+            entries.len() == fields.len() && pairs.all(|((name, _), field)| *name == field.name);
+        if are_in_order {
+            for ((name, value), field) in entries.iter_mut().zip(fields) {
+                let complete = field.schema.complete(std::mem::take(value));
+                *value = complete.map_err(|error| error.within(name))?;
+            }
+            return Ok(Datum::Record(entries));
+        }
         let mut found: Vec<Option<Datum>> = vec![None; fields.len()];
         for (name, value) in entries {
             match fields.iter().position(|field| field.name == name) {

@@ -40,6 +40,7 @@ mod numbers;
 mod sample;
 mod schema;
 mod ser;
+mod shared_name;
 mod value;
 mod word;
 
@@ -50,6 +51,7 @@ pub use message::Message;
 pub use numbers::Numbers;
 pub use sample::Sample;
 pub use schema::{OutlineKey, Schema, SchemaDifference, Shape};
+pub use shared_name::shared_name;
 pub use value::{Datum, FieldName};
 pub use word::Word;
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::numbers::Numbers;
 
-/// The name of a record's entry. Borrowed for names in the program text, which avoids allocation.
+/// The name of a record's entry. Borrowed for names in the program text and [shared](crate::shared_name) ones, which avoids allocation.
 pub type FieldName = Cow<'static, str>;
 
 /// Data of any message type. An enum value without content is represented as [`Datum::Text`].

@@ -1,7 +1,9 @@
 //! Messages through every representation.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
-use asmotion_datum::{Codec, Datum, Message, Numbers, OutlineKey, Schema, Shape, cbor, json};
+use asmotion_datum::{
+    Codec, Datum, FieldName, Message, Numbers, OutlineKey, Schema, Shape, cbor, json,
+};
 
 asmotion_datum::message! {
     /// A vector.
@@ -439,4 +441,33 @@ fn a_path_leads_to_the_same_part_of_data_and_of_their_schema() {
         *part = number();
     }
     assert!(changed.parts().all(|part| *part == number()));
+}
+
+/// Whether a name is shared, after a check that it is the name.
+fn is_shared(name: &str) -> bool {
+    match asmotion_datum::shared_name(name) {
+        FieldName::Borrowed(shared) => {
+            assert_eq!(shared, name);
+            true
+        }
+        FieldName::Owned(own) => {
+            assert_eq!(own, name);
+            false
+        }
+    }
+}
+
+/// A stranger whose definitions have ever new names, or very long ones, does not fill the memory.
+#[test]
+fn names_of_fields_are_shared_up_to_a_number_and_a_length() {
+    let (longest, longer) = ("n".repeat(128), "n".repeat(129));
+    assert!(is_shared("linear") && is_shared(&longest) && !is_shared(&longer));
+    let before = asmotion_datum::shared_name("linear");
+    let many = (0..1 << 16).filter(|number| is_shared(&format!("name{number}")));
+    assert_eq!(many.count(), (1 << 16) - 2);
+    assert!(!is_shared("angular") && !is_shared(&longer) && is_shared("linear"));
+    assert!(std::ptr::eq(
+        &*before,
+        &*asmotion_datum::shared_name("linear")
+    ));
 }

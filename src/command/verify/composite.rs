@@ -1,10 +1,10 @@
 //! `asmotion verify` of composites: each specification together with its environment.
 
 use super::projection::ProjectedRun;
+use super::watched_results::WatchedResults;
 use super::{Verify, exit, json, show};
 use crate::build::Build;
 use crate::exit::Exit;
-use crate::files::DiskLoader;
 use crate::terminal::{NOTE, TerminalOutput, count};
 use crate::verification::{
     components_with_properties, describe, exchanges_messages, in_terms_of_composite, link_messages,
@@ -68,6 +68,7 @@ impl Verify {
         &self,
         build: &Build,
         path: &str,
+        watched: &mut WatchedResults,
         terminal: &mut TerminalOutput,
     ) -> Exit {
         let mut settings = Vec::new();
@@ -78,7 +79,7 @@ impl Verify {
             };
             settings.push((name.to_owned(), value.to_owned()));
         }
-        let opened = build.open(path, &settings, &DiskLoader);
+        let opened = build.open(path, &settings, &self.files);
         if opened.report.has_errors() {
             terminal.report(&opened.report, &opened.sources);
             terminal.error(count(&opened.report).unwrap_or_default());
@@ -96,7 +97,7 @@ impl Verify {
             }
         };
         if exchanges_messages(plan) {
-            return self.partners(plan, path, terminal);
+            return self.partners(plan, path, watched, terminal);
         }
         let components: Vec<String> = if self.composite.component.is_empty() {
             let stated = components_with_properties(plan);
@@ -119,7 +120,7 @@ impl Verify {
         }
         let exits = components
             .iter()
-            .map(|component| self.component(build, plan, path, component, terminal));
+            .map(|component| self.component(build, plan, (path, component), watched, terminal));
         exits.fold(Exit::Ok, Exit::max)
     }
 
@@ -140,7 +141,13 @@ impl Verify {
     }
 
     /// Verifies specifications that exchange messages: all of them together.
-    fn partners(&self, plan: &Plan, path: &str, terminal: &mut TerminalOutput) -> Exit {
+    fn partners(
+        &self,
+        plan: &Plan,
+        path: &str,
+        watched: &mut WatchedResults,
+        terminal: &mut TerminalOutput,
+    ) -> Exit {
         if !self.composite.component.is_empty() || self.composite.print_environment {
             terminal.error(format_args!(
                 "the specifications of `{path}` exchange messages (CommonBehavior) and are verified together: leave out \
@@ -169,7 +176,7 @@ impl Verify {
             }
         }
         link_messages(plan, &mut system);
-        self.verified(path, system, terminal)
+        self.verified(path, system, watched, terminal)
             .unwrap_or_else(|exit| exit)
     }
 
@@ -177,15 +184,15 @@ impl Verify {
         &self,
         build: &Build,
         plan: &Plan,
-        path: &str,
-        component: &str,
+        (path, component): (&str, &str),
+        watched: &mut WatchedResults,
         terminal: &mut TerminalOutput,
     ) -> Exit {
         let options = ReadOptions {
             initial: self.init.clone(),
             ..ReadOptions::default()
         };
-        let found = model(build, plan, component, &DiskLoader, options);
+        let found = model(build, plan, component, &self.files, options);
         let ComponentModel {
             specification,
             environment,
@@ -202,7 +209,8 @@ impl Verify {
             return Exit::Ok;
         }
         let system = SystemSpecification::of(specification);
-        let (mut verification, time) = match self.verification(system, None, terminal) {
+        let kept = watched.exploration(component);
+        let (mut verification, time) = match self.verification(system, kept, terminal) {
             Ok(found) => found,
             Err(exit) => return exit,
         };
@@ -226,6 +234,7 @@ impl Verify {
                 terminal,
             );
             show_environment(&environment, terminal);
+            watched.show_changes(component, &verification, terminal);
         }
         let machines = &verification.machines;
         let run = run.flatten();

@@ -38,6 +38,9 @@ pub(crate) const PRECONDITION_FAILED: u16 = 406;
 /// Reply code of a channel closed because something does not exist.
 const NOT_FOUND: u16 = 404;
 
+/// Number of failures to reach a queue after which it is not just being deleted, and they are reported.
+pub(crate) const BRIEFLY_UNREACHABLE: u32 = 10;
+
 /// Time between the broker's closing of a channel and our consent. A frame that arrives after the consent is an error of
 /// the whole connection; until then the broker ignores it. The tasks that send on the channel learn of the end at once,
 /// and have this long to finish the frame they are sending.
@@ -231,6 +234,8 @@ pub(crate) enum ChannelError {
     Closed { code: u16, reason: String },
     /// The broker closed the channel because an exchange does not exist.
     ExchangeMissing { reason: String },
+    /// The broker closed the channel because it cannot reach a queue: its node is down, or the queue is just being deleted.
+    QueueUnreachable { reason: String },
     /// A queue being consumed was deleted.
     Cancelled,
     /// The connection was lost.
@@ -242,6 +247,8 @@ impl ChannelError {
     pub(crate) fn closed(code: u16, reason: String) -> Self {
         if code == NOT_FOUND && reason.contains("no exchange") {
             Self::ExchangeMissing { reason }
+        } else if code == NOT_FOUND && reason.contains("down or inaccessible") {
+            Self::QueueUnreachable { reason }
         } else {
             Self::Closed { code, reason }
         }

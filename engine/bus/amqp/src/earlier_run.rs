@@ -21,7 +21,7 @@ const LOOK: Duration = Duration::from_millis(20);
 pub(crate) enum Takeover {
     /// The queue has no consumer, and this number of messages were discarded.
     Emptied(u32),
-    /// Another process consumes the queue.
+    /// Another process consumes the queue, or the broker cannot reach it.
     InUse,
 }
 
@@ -73,6 +73,8 @@ async fn try_take_over(
                 delete(connection, queue).await
             }
             ChannelError::Closed { code, .. } if code == LOCKED => Ok(Takeover::InUse),
+            // its last consumer is deleting it, or its node is down
+            ChannelError::QueueUnreachable { .. } => Ok(Takeover::InUse),
             error @ (ChannelError::Closed { .. }
             | ChannelError::ExchangeMissing { .. }
             | ChannelError::Cancelled
@@ -97,6 +99,7 @@ async fn delete(connection: &Connection, queue: &str) -> Result<Takeover, Channe
         Ok(deleted) => Ok(Takeover::Emptied(deleted.unwrap_or_default())),
         Err(_) => match channel::close_reason(&mut words) {
             ChannelError::Closed { code, .. } if code == PRECONDITION_FAILED => Ok(Takeover::InUse),
+            ChannelError::QueueUnreachable { .. } => Ok(Takeover::InUse),
             error @ (ChannelError::Closed { .. }
             | ChannelError::ExchangeMissing { .. }
             | ChannelError::Cancelled

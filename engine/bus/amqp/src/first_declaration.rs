@@ -15,8 +15,11 @@ impl FirstDeclaration {
     }
 
     /// Reports the outcome, unless one was reported before. Returns whether the outcome is final: a refusal that
-    /// reached the waiting thread is not retried.
+    /// reached the waiting thread is not retried. A queue that cannot be reached is no outcome: the thread goes on waiting.
     pub(crate) fn report(&mut self, end: Result<(), ChannelError>) -> bool {
+        if matches!(end, Err(ChannelError::QueueUnreachable { .. })) {
+            return false;
+        }
         let refused = matches!(end, Err(ChannelError::Closed { .. }));
         match self.0.take() {
             // fails if the thread does not wait; it can read the outcome in the health

@@ -154,7 +154,9 @@ impl PublisherTask {
             };
             match end {
                 Ok(()) => return,
-                Err(ChannelError::Closed { reason, .. }) => {
+                Err(
+                    ChannelError::Closed { reason, .. } | ChannelError::QueueUnreachable { reason },
+                ) => {
                     self.shared.outbox().connection_lost(true);
                     self.link.report_refusal(&self.key, reason);
                     sleep(REFUSED_REST).await;

@@ -107,6 +107,7 @@ impl SubscriberTask {
     pub(crate) async fn run(mut self) {
         let mut arrivals = Arrivals::beginning_at(now());
         let link = Arc::clone(&self.link);
+        let mut unreachable = 0_u32;
         while let Some(pair) = link.pair().await {
             let end = tokio::select! {
                 end = self.session(&pair, &mut arrivals) => end,
@@ -128,6 +129,13 @@ impl SubscriberTask {
                     what: self.pattern.to_string(),
                     reason: "its queue was deleted".to_owned(),
                 }),
+                Err(ChannelError::QueueUnreachable { reason }) => {
+                    unreachable += 1;
+                    if unreachable > channel::BRIEFLY_UNREACHABLE {
+                        link.report_refusal(self.pattern.as_str(), reason);
+                    }
+                    sleep(REST).await;
+                }
                 Err(ChannelError::ExchangeMissing { reason }) => {
                     link.replace_after_deletion(&pair, &reason).await;
                 }

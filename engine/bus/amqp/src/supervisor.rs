@@ -188,9 +188,9 @@ async fn declare(connection: &Connection, exchange: &str, kind: &str) -> Result<
                     code: PRECONDITION_FAILED,
                     reason,
                 } => return Err(reason),
-                ChannelError::Closed { reason, .. } | ChannelError::ExchangeMissing { reason } => {
-                    Err(reason)
-                }
+                ChannelError::Closed { reason, .. }
+                | ChannelError::ExchangeMissing { reason }
+                | ChannelError::QueueUnreachable { reason } => Err(reason),
                 ChannelError::Cancelled | ChannelError::Lost => Err(error.to_string()),
             },
         };

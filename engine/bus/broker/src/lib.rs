@@ -1,8 +1,8 @@
 //! A real RabbitMQ broker for tests: a process on the loopback interface that can be made to fail, and ends with the
 //! test run.
 //!
-//! One [`TestBroker`] serves a test run, one [`Vhost`] a test. Ordinary tests share the broker through [`calm`]; a test
-//! that breaks it takes it exclusively through [`alone`], and it is restored afterwards. It is Debian's package,
+//! A [`Vhost`] of a [`TestBroker`] serves a test. Ordinary tests share one broker through [`calm`]; a test that breaks its broker
+//! takes another one exclusively through [`alone`], and it is restored afterwards. They are Debian's package,
 //! started by its inner script with its own epmd; services of the machine are not affected.
 
 mod broker;

@@ -28,7 +28,7 @@ fn it_is_restored_after_each_fault() {
         };
         fault(&broker);
         drop(broker);
-        let broker = asmotion_broker::calm().unwrap();
+        let broker = asmotion_broker::alone().unwrap();
         assert_eq!(broker.evaluate("rabbit_alarm:get_alarms()").unwrap(), "[]");
         TcpStream::connect(broker.address()).unwrap();
     }

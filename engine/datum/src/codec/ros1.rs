@@ -13,6 +13,9 @@ use crate::value::Datum;
 /// Bytes of the length that precedes a message on a connection.
 const LENGTH: usize = 4;
 
+/// Bytes of a small message with its length, such as a pose with a header, which is encoded without another allocation.
+const SMALL: usize = 128;
+
 /// Encodes a datum, without the length that precedes a message on a connection.
 ///
 /// # Errors
@@ -26,7 +29,9 @@ pub fn encode(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
 /// # Errors
 /// As [`encode`], or the message has more bytes than 32 bits can count.
 pub fn encode_frame(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
-    let mut frame = write_ros1(datum, schema, vec![0; LENGTH])?;
+    let mut frame = Vec::with_capacity(SMALL);
+    frame.extend_from_slice(&[0; LENGTH]);
+    let mut frame = write_ros1(datum, schema, frame)?;
     let length = frame.len() - LENGTH;
     let length = u32::try_from(length).map_err(|_| {
         let reason = format!("{length} bytes are more than 32 bits can count");

@@ -53,7 +53,6 @@ impl Inbound {
             .ok_or_else(|| format!("`{}` of ROS does not become `{schema}`", mapped.kind))?;
         let is_alike = mapped.converters.is_empty()
             && mapped.transform.is_none()
-            && conversion == Conversion::Same
             && is_alike(schema, ros_schema);
         let doc = format!("from the ROS topic `{}`", mapped.ros);
         let port = interface.output_of(&mapped.port, schema.clone(), &doc);
@@ -182,8 +181,10 @@ fn is_alike(one: &Schema, other: &Schema) -> bool {
 #[cfg(test)]
 mod tests {
     use asmotion_datum::OutlineKey;
+    use asmotion_ros_interface::{Catalogue, Distribution};
 
     use super::*;
+    use crate::mapped::RosDirection;
 
     #[test]
     fn schemas_are_alike_if_they_differ_in_descriptions_alone() {
@@ -206,5 +207,35 @@ mod tests {
         }
         let list = |of: &Schema| Schema::plain(Shape::List(Box::new(of.clone())));
         assert!(is_alike(&list(&point), &list(&of_ros)));
+    }
+
+    /// Commands, which are urgent, need no conversion.
+    #[test]
+    fn a_twist_of_ros_is_a_sample_as_it_was_decoded() {
+        let schema = |of| {
+            let twist = "geometry_msgs/msg/Twist".parse().unwrap();
+            Catalogue::included(of).schema(&twist).unwrap()
+        };
+        let (ros1, ros2) = (schema(Distribution::Ros1), schema(Distribution::Ros2));
+        let mut interface = Interface::default();
+        for (port, of_ros) in [("from_ros1", &ros1), ("from_ros2", &ros2)] {
+            let mapped = MappedTopic {
+                port: port.to_owned(),
+                topic: None,
+                schema: ros2.clone(),
+                ros: "/cmd_vel".to_owned(),
+                kind: "geometry_msgs/Twist".to_owned(),
+                queue: 1,
+                is_latched: false,
+                is_best_effort: false,
+                deadline: None,
+                lifespan: None,
+                converters: Vec::new(),
+                transform: None,
+                direction: RosDirection::FromRos,
+            };
+            let inbound = Inbound::declare(mapped, of_ros, &mut interface).unwrap();
+            assert!(inbound.is_alike);
+        }
     }
 }

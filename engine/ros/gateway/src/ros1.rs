@@ -251,7 +251,7 @@ impl MessageReceiver for Ros1Receiver {
         others
             .filter_map(|envelope| {
                 Some(RosMessage {
-                    content: envelope.payload.to_datum().ok()?,
+                    content: envelope.payload.into_datum().ok()?,
                     age: envelope.age,
                 })
             })

@@ -1,6 +1,6 @@
 //! Schemas of messages.
 
-use asmotion_datum::{OutlineKey, Schema, Shape};
+use asmotion_datum::{OutlineKey, Schema, Shape, shared_name};
 
 use crate::catalogue::Catalogue;
 use crate::definition::{Count, Element, Field, Interface, Primitive, Structure};
@@ -62,7 +62,7 @@ impl Catalogue {
         let mut fields = Vec::new();
         for field in &structure.fields {
             let schema = self.field(field)?;
-            fields.push(OutlineKey::new(field.name.clone(), "", schema));
+            fields.push(OutlineKey::new(shared_name(&field.name), "", schema));
         }
         Ok(Schema {
             name: name.into(),

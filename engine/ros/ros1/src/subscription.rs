@@ -9,7 +9,7 @@ use std::task::Poll;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{Envelope, Payload, Standstills, SubscriptionSender};
-use asmotion_datum::ros1;
+use asmotion_datum::{Datum, ros1};
 use tokio::io::{AsyncBufReadExt as _, AsyncWriteExt, BufReader};
 use tokio::net::TcpStream;
 use tokio::runtime::Handle;
@@ -209,11 +209,13 @@ impl TopicSubscription {
     }
 
     /// Gives a message to all observers. One whose notifier panics receives no more.
-    fn pass_on(&self, envelope: &Envelope) {
+    fn pass_on(&self, envelope: Envelope) {
         self.received.fetch_add(1, Ordering::Relaxed);
         let observers = lock(&self.observers).clone();
-        for observer in observers {
-            let push = AssertUnwindSafe(|| observer.push(envelope.clone()));
+        // one for each; the last gets the envelope itself, so that a single reader can take the message out of it
+        let envelopes = std::iter::repeat_n(envelope, observers.len());
+        for (observer, envelope) in observers.into_iter().zip(envelopes) {
+            let push = AssertUnwindSafe(|| observer.push(envelope));
             if catch_unwind(push).is_err() {
                 self.panicked.fetch_add(1, Ordering::Relaxed);
                 self.remove(&observer);
@@ -249,7 +251,7 @@ impl TopicSubscription {
             age: Duration::ZERO,
             trace: None,
             type_name: Arc::clone(&of.name),
-            payload: Payload::Sample(Arc::new(asmotion_datum::Datum::Null)),
+            payload: Payload::of(Datum::Null),
         };
         let mut is_reported = false;
         let mut arrivals = Arrivals::new();
@@ -270,8 +272,10 @@ impl TopicSubscription {
                 Ok(datum) => {
                     envelope.stamp = now();
                     envelope.age = arrivals.waited();
-                    envelope.payload = Payload::Sample(Arc::new(datum));
-                    self.pass_on(&envelope);
+                    self.pass_on(Envelope {
+                        payload: Payload::of(datum),
+                        ..envelope.clone()
+                    });
                     context.note_read();
                 }
                 Err(error) => {

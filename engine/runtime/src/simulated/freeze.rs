@@ -90,6 +90,9 @@ impl Simulation {
     /// Restores a frozen state. The simulation must have been started from the same composite; it continues as the
     /// frozen one would have, with the same clock. Observers are not notified.
     ///
+    /// The state of a system to which components or connections were added while it ran can be restored in that system, but not in one
+    /// started from the changed composite: there the connections have other numbers.
+    ///
     /// # Errors
     /// An error if the bytes are malformed or belong to another composite or another version. The simulation is then
     /// unchanged.

@@ -126,7 +126,9 @@ impl CallerTask {
             };
             match end {
                 Ok(()) => return,
-                Err(ChannelError::Closed { reason, .. }) => {
+                Err(
+                    ChannelError::Closed { reason, .. } | ChannelError::QueueUnreachable { reason },
+                ) => {
                     link.report_refusal("calls", reason);
                     self.fail_all();
                     sleep(REST).await;

@@ -113,6 +113,7 @@ impl ProviderTask {
     /// Serves until `stop` resolves.
     pub(crate) async fn run(mut self, mut stop: oneshot::Receiver<()>) {
         let link = Arc::clone(&self.setup.link);
+        let mut unreachable = 0_u32;
         loop {
             let pair = tokio::select! {
                 pair = link.pair() => pair,
@@ -128,6 +129,13 @@ impl ProviderTask {
                 Err(broken) if self.setup.ready.report(Err(broken.clone())) => return,
                 Err(ChannelError::Closed { reason, .. }) => {
                     link.report_refusal(&self.setup.key, reason);
+                    sleep(REST).await;
+                }
+                Err(ChannelError::QueueUnreachable { reason }) => {
+                    unreachable += 1;
+                    if unreachable > channel::BRIEFLY_UNREACHABLE {
+                        link.report_refusal(&self.setup.key, reason);
+                    }
                     sleep(REST).await;
                 }
                 Err(ChannelError::ExchangeMissing { reason }) => {

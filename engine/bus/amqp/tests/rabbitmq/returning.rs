@@ -78,3 +78,23 @@ fn a_second_process_of_the_same_name_takes_nothing_away() {
         assert_eq!(subscription.counts().discarded, 0);
     }
 }
+
+/// A process that subscribes again at once meets its own queue while the broker deletes it, which the broker answers at times with "home
+/// node of durable queue is down or inaccessible".
+#[test]
+fn a_subscription_begins_while_the_last_one_of_its_name_ends() {
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let bus = returning(&vhost);
+    let mut writer = publisher(&bus, "numbers", events());
+    let mut last = subscribe(&bus, "numbers", all(10));
+    for n in 0..100 {
+        drop(last);
+        last = subscribe(&bus, "numbers", all(10));
+        writer.publish(0, number(n)).unwrap();
+        let arrived = last.next_within(crate::common::LONG).expect("the message");
+        assert_eq!(arrived.payload.to_datum().unwrap().as_int(), Some(n));
+    }
+}

@@ -91,7 +91,7 @@ impl SchemaWriter {
     /// Writes the bytes of a number, aligned to its size.
     fn write_aligned<const N: usize>(&mut self, bytes: [u8; N]) {
         self.align(N);
-        self.bytes.extend(bytes);
+        self.bytes.extend_from_slice(&bytes);
     }
 
     fn align(&mut self, size: usize) {
@@ -117,11 +117,11 @@ impl SchemaWriter {
     fn text(&mut self, text: &str) -> Result<(), DatumError> {
         if self.format == Format::Ros1 {
             self.count(text.len())?;
-            self.bytes.extend(text.as_bytes());
+            self.bytes.extend_from_slice(text.as_bytes());
             return Ok(());
         }
         self.count(text.len() + 1)?;
-        self.bytes.extend(text.as_bytes());
+        self.bytes.extend_from_slice(text.as_bytes());
         self.bytes.push(0);
         Ok(())
     }
@@ -135,7 +135,7 @@ impl SchemaWriter {
         depth: usize,
     ) -> Result<(), DatumError> {
         if let (Datum::Bytes(bytes), Shape::U8) = (run, &element.shape) {
-            self.bytes.extend(&**bytes);
+            self.bytes.extend_from_slice(bytes);
             return Ok(());
         }
         if let Datum::Numbers(numbers) = run
@@ -166,10 +166,12 @@ impl SchemaWriter {
             // ROS 2 gives a message without fields one byte, because IDL has no empty structures
             self.write_aligned([0]);
         }
+        // usually the entries are in the schema's order
+        let mut are_in_order = entries.len() == fields.len();
         for (index, field) in fields.iter().enumerate() {
-            // usually the entries are in the schema's order
             let named = |entry: &&(FieldName, Datum)| entry.0 == field.name;
             let entry = entries.get(index).filter(named);
+            are_in_order &= entry.is_some();
             let entry = entry.or_else(|| entries.iter().find(named));
             let datum = match entry {
                 Some((_, datum)) => Cow::Borrowed(datum),
@@ -177,6 +179,9 @@ impl SchemaWriter {
             };
             self.one(&datum, &field.schema, depth)
                 .map_err(|error| error.within(&field.name))?;
+        }
+        if are_in_order {
+            return Ok(());
         }
         let unknown =
             |(name, _): &&(FieldName, Datum)| fields.iter().all(|field| field.name != *name);
