@@ -47,7 +47,7 @@ command = { topic = "command", field = "data", publish = "every_step" }
 [topics.command]
 codec = "json"
 outage = "queue"
-size = 2000
+size = 10000
 [[promote]]
 topic = "command"
 as = "command"

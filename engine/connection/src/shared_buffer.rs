@@ -30,7 +30,7 @@ pub(crate) struct QueueOnDemand<T> {
 }
 
 impl<T> QueueOnDemand<T> {
-    #[cfg(test)]
+    #[cfg(all(test, not(feature = "loom")))]
     pub(crate) fn is_allocated(&self) -> bool {
         self.queue.get().is_some()
     }

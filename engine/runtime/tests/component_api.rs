@@ -59,6 +59,35 @@ fn losses_are_those_of_the_inputs_and_those_that_the_component_sets() {
     assert_eq!(run.losses("Losing"), losses);
 }
 
+#[test]
+fn a_component_reads_how_many_messages_each_of_its_inputs_has_lost() {
+    let (mut system, seen) = (System::new(), Arc::new(Mutex::new(Vec::new())));
+    let record = Arc::clone(&seen);
+    let reader = behaviour(move |interface| {
+        let inputs = ["narrow", "wide"].map(|name| interface.input::<Number>(name, name));
+        move |cycle| {
+            record.lock().unwrap().push(inputs.map(|it| cycle.lost(it)));
+            for input in inputs {
+                cycle.all(input);
+            }
+            Ok(())
+        }
+    });
+    let periodic = || Activity::periodic(10.ms());
+    system.add("Burst", periodic(), burst(3)).unwrap();
+    system.add("Reader", periodic(), reader).unwrap();
+    for (port, size) in [("Reader.narrow", 2), ("Reader.wide", 3)] {
+        system
+            .connect("Burst.n", port, Policy::buffer(size))
+            .unwrap();
+    }
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 25.ms());
+    // each cycle follows three samples, of which the narrow queue has dropped one
+    assert_eq!(*seen.lock().unwrap(), [[1, 0], [2, 0], [3, 0]]);
+    assert_eq!(run.lost("Reader"), [3, 0]);
+}
+
 /// Takes odd numbers only.
 fn picky() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
