@@ -39,7 +39,7 @@ pub const SETS: [FeatureSet; 3] = [
     FeatureSet {
         name: "default",
         arguments: &[],
-        budget: 500.0,
+        budget: 530.0,
     },
     FeatureSet {
         name: "full",
