@@ -25,7 +25,7 @@ pub(crate) enum SharedBuffer<T> {
 pub(crate) struct QueueOnDemand<T> {
     kind: BufferKind,
     queue: OnceLock<Box<ArrayQueue<T>>>,
-    /// Whether it waits for the first sample in any case. Most connections into a system from outside are never used.
+    /// Set if `reserve` has no effect: most connections into a system from outside are never used.
     always_waits: bool,
 }
 

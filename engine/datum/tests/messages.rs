@@ -443,7 +443,7 @@ fn a_path_leads_to_the_same_part_of_data_and_of_their_schema() {
     assert!(changed.parts().all(|part| *part == number()));
 }
 
-/// Whether a name is shared, after a check that it is the name.
+/// Returns whether `shared_name` shares this name.
 fn is_shared(name: &str) -> bool {
     match asmotion_datum::shared_name(name) {
         FieldName::Borrowed(shared) => {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// The verdict of each property, by its text.
 type Verdicts = BTreeMap<String, Verdict>;
 
-/// What verifications leave for those after the next change, by the path or component that they are of.
+/// The explorations and verdicts of repeated verifications, by path or component; `None` without `--watch`.
 pub(super) struct WatchedResults(Option<BTreeMap<String, WatchedResult>>);
 
 #[derive(Default)]

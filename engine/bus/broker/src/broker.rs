@@ -11,7 +11,7 @@ use crate::files::{BrokerFiles, PASSWORD, USER};
 use crate::ports::BrokerPorts;
 use crate::process::{self, SERVER};
 
-/// Timeout of a start: a cold start takes 5 s on an idle machine, and took 43 s on two processors with a load average of 8.
+/// Timeout of a start: a cold start takes 5 s on an idle machine, and took about 40 s on two processors with a load average of 8.
 pub(crate) const START: Duration = Duration::from_secs(180);
 
 /// A RabbitMQ broker for tests.
