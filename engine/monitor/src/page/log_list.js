@@ -34,6 +34,7 @@ export class LogList {
     /** How much of the entries and steps has become rows. */
     this.seen = { entries: -1, steps: -1, t: -Infinity };
     /** The row that the keys move, and the one at the shown time. @type {any} */ this.current = null; /** @type {any} */ this.near = null;
+    /** Number of the row that the keys move, from the oldest one that there ever was. */ this.number = 0;
     /** Number of rows, and of those that were too old, when they were drawn last. */
     this.drawn = { count: 0, dropped: 0 };
   }
@@ -66,12 +67,13 @@ export class LogList {
     this.source = source;
     const least = LEVELS.indexOf(this.level.value);
     const passes = (it) => LEVELS.indexOf(it.level) >= least && (!words.length || matches(`${it.kind} ${it.component} ${entryText(it)}`, words));
+    this.number -= this.rows.dropped;
     this.rows = new Rows(store, { fold: this.fold.checked, passes });
     this.seen = { entries: -1, steps: -1, t: -Infinity };
     this.drawn.dropped = 0;
     this.add(this.news());
-    // a recording sends its entries again
-    this.current = this.current && this.rows.find(this.current.key);
+    // a recording sends its entries again; after entries in another order, the row is another one in the same place
+    this.current = this.current && (this.rows.find(this.current.key) ?? (isNew ? null : this.current));
   }
 
   /** Entries and steps since the last time, by time. @returns {any[]} */
@@ -117,9 +119,8 @@ export class LogList {
     const first = Math.max(0, Math.floor(this.root.scrollTop / height) - MORE);
     const last = Math.min(count, Math.ceil((this.root.scrollTop + this.root.clientHeight) / height) + MORE);
     const rows = this.rows.newest(first, last);
-    const at = this.current ? this.rows.indexOf(this.current) : -1;
+    const at = this.place();
     if (at >= 0 && (at < first || at >= last)) rows.push({ row: this.current, index: at });
-    else if (at < 0) this.current = null;
     const hasFocus = this.space.contains(document.activeElement);
     list(this.space, rows, ({ row }) => row.key, ({ row }) => this.make(row.it), (element, { row, index }) => {
       const { it, times, since } = row;
@@ -135,6 +136,20 @@ export class LogList {
     const words = this.current ? entryText(this.current.it) : "";
     this.detail.hidden = !words;
     text(this.detail, words);
+  }
+
+  /** Finds the row that the keys move. Where a repetition has become the newest row, and the row is no more, the keys move the one in its place.
+   * @returns {number} its number from the newest one; -1 if there is none */
+  place() {
+    if (!this.current || !this.rows.count) { this.current = null; return -1; }
+    const { count, dropped } = this.rows;
+    let at = this.rows.indexOf(this.current);
+    if (at < 0) {
+      at = Math.min(count - 1, Math.max(0, count - 1 + dropped - this.number));
+      this.current = this.rows.newest(at, at + 1)[0].row;
+    }
+    this.number = dropped + count - 1 - at;
+    return at;
   }
 
   make(it) {
@@ -156,7 +171,7 @@ export class LogList {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const page = Math.max(1, Math.floor(this.root.clientHeight / this.height) - 1);
     const by = { ArrowDown: 1, ArrowUp: -1, PageDown: page, PageUp: -page, Home: -Infinity, End: Infinity }[event.key];
-    const at = this.current ? this.rows.indexOf(this.current) : -1;
+    const at = this.place();
     if (event.key === "Enter" && at >= 0) this.pick(this.current);
     else if (by !== undefined && this.rows.count) this.move(at < 0 && Math.abs(by) < Infinity ? Math.floor(this.root.scrollTop / this.height) : Math.min(this.rows.count - 1, Math.max(0, at + by)));
     else return;
