@@ -106,6 +106,8 @@ pub struct Mission {
     /// Receives what the verification before the start finds, if the composite starts all the same; by default, it is printed as
     /// a warning on standard error.
     pub notice: fn(&str),
+    /// The composite as [`open_early`](Self::open_early) has opened it.
+    opened: Option<Arc<Opened>>,
 }
 
 /// Clock of a mission.
@@ -190,7 +192,21 @@ impl Mission {
             recording: RecordingRequest::default(),
             tells_steps: true,
             notice: print_warning,
+            opened: None,
         }
+    }
+
+    /// Opens the composite once for its [brokers](Self::named_brokers), its [gateways](Self::named_gateways) and the run, which opens it again only
+    /// if other robots or the brokers have something to say about it. Call this after setting the profile, the process and the properties.
+    pub(crate) fn open_early(&mut self) {
+        let opened = self.open(&self.composite, &DiskLoader, self.build.programs());
+        self.opened = Some(Arc::new(opened));
+    }
+
+    /// Returns `true` if a composite that was opened without the brokers of the mission is the same with them.
+    fn holds_with_brokers(&self, opened: &Opened) -> bool {
+        let asks_robots = self.brokers.is_connected() && opened.has_robot_components();
+        !opened.report.has_errors() && !asks_robots
     }
 
     /// Runs the mission. `on_open` receives the findings about the composite, if it has no errors, before anything starts.
@@ -220,22 +236,24 @@ impl Mission {
     ) -> Result<MissionEnd, MissionError> {
         let programs = self.build.programs();
         let robots = RobotsOnBrokers::new(programs, self.brokers.settings(), self.notice, stop);
-        let mut opened = self.open(&self.composite, &DiskLoader, &robots);
+        let opened = match &self.opened {
+            Some(opened) if self.holds_with_brokers(opened) => Arc::clone(opened),
+            _ => Arc::new(self.open(&self.composite, &DiskLoader, &robots)),
+        };
+        let mut report = opened.report.clone();
         if let Some(plan) = opened.plan(self.profile.as_deref()) {
-            let mut report = opened.report.clone();
             proof::without_verified(&mut report, plan);
-            opened.report = report;
         }
-        if opened.report.has_errors() {
+        if report.has_errors() {
             return Err(MissionError::Composite {
-                sources: opened.sources,
-                report: opened.report,
+                sources: opened.sources.clone(),
+                report,
                 outside: opened.outside,
             });
         }
-        on_open(&opened.report, &opened.sources);
+        on_open(&report, &opened.sources);
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
-            let (wanted, known) = (self.profile.clone(), opened.profiles);
+            let (wanted, known) = (self.profile.clone(), opened.profiles.clone());
             return Err(MissionError::Profile {
                 requested: wanted,
                 available: known,

@@ -183,6 +183,7 @@ impl Run {
         self.common.apply(&mut mission)?;
         mission.dashboard = self.common.dashboard(self.process.as_deref(), false)?;
         mission.recording = self.common.books.recording(true);
+        mission.open_early();
         mission.brokers = self.brokers(&mission)?;
         self.common.enable_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {

@@ -148,7 +148,9 @@ impl Mission {
 
     /// Applies a function to the plan, if the composite can be started.
     pub(super) fn with_plan<T>(&self, f: impl FnOnce(&Plan) -> T) -> Option<T> {
-        let opened = self.open(&self.composite, &DiskLoader, self.build.programs());
+        let opened = self.opened.clone().unwrap_or_else(|| {
+            Arc::new(self.open(&self.composite, &DiskLoader, self.build.programs()))
+        });
         if opened.report.has_errors() {
             return None;
         }

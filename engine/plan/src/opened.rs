@@ -16,6 +16,7 @@ use crate::flatten::{Parts, flatten};
 use crate::plan::Plan;
 
 /// A loaded composite: its source texts, diagnostics and a plan for every profile without errors.
+#[derive(Debug)]
 pub struct Opened {
     /// All source texts; diagnostics refer to them.
     pub sources: Sources,
@@ -48,6 +49,13 @@ impl Opened {
             .iter()
             .find(|(name, _)| name.as_deref() == profile);
         found.map(|(_, plan)| plan)
+    }
+
+    /// Returns `true` if a component of a profile stands for one of another robot, whose interface that robot has told or can tell.
+    pub fn has_robot_components(&self) -> bool {
+        let components = self.plans.iter().flat_map(|(_, plan)| &plan.components);
+        let mut addresses = components.map(|it| it.implementation.robot_component());
+        addresses.any(|it| it.is_some())
     }
 
     /// Names of the processes that have components in every profile.
