@@ -161,7 +161,7 @@ impl<'a> Declarations<'a> {
     }
 
     fn component(&self, name: &str) -> Option<&Declaration> {
-        let position = self.plan.components.iter().position(|it| it.name == name)?;
+        let position = self.plan.components.position(name)?;
         self.components.get(position)?.as_ref()
     }
 

@@ -22,7 +22,7 @@ pub use summary::{EventCounts, Summary};
 
 use std::collections::BTreeMap;
 
-use asmotion_component::{CallError, CallId, LOG_REPORT, Losses, NOTICE_REPORT, Time};
+use asmotion_component::{CallError, CallId, Fault, LOG_REPORT, Losses, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
     BAD_REPLY_REPORT, BRIEF_STEP_REPORT, BadReply, LOSSES_REPORT, STEP_REPORT, StepRecord,
     UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
@@ -273,7 +273,8 @@ impl Story {
                 ))
             }
             Event::Overrun { component, missed } => {
-                let what = format!("{component} missed {missed} periods");
+                let fault = Fault::Overrun { missed: *missed };
+                let what = format!("{component} {fault}");
                 Some(warning_entry(NOTE, "overrun", what))
             }
             Event::Late {

@@ -6,7 +6,7 @@ use std::fmt;
 use asmotion_coordinator::{CoordinatorStatus, LocationName, Source};
 use asmotion_lang::Specification;
 use asmotion_lang::value::{Atom, Value};
-use asmotion_plan::{Component, Implementation, Plan};
+use asmotion_plan::{Component, Implementation, Plan, Topic};
 use asmotion_runtime::Run;
 
 use crate::files::DiskLoader;
@@ -65,6 +65,7 @@ fn status(component: &Component, run: &mut dyn Run) -> Option<CoordinatorStatus>
 /// Describes the coordinators of a run whose time is up. A coordinator in a long cycle is left out.
 pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator> {
     let mut specifications = SpecificationsRead::default();
+    let topics = SubscribedTopics::of(plan);
     let describe = |component: &Component| {
         let Implementation::Asm { file, .. } = &component.implementation else {
             return None;
@@ -77,7 +78,7 @@ pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator>
                 .map(equation)
                 .or_else(|| status.control_states()),
             since_s: status.last_update.as_ref().map(|last| last.at_s),
-            reasons: reasons(plan, component, specifications.get(file), &status),
+            reasons: reasons(&topics, component, specifications.get(file), &status),
         })
     };
     plan.components.iter().filter_map(describe).collect()
@@ -85,13 +86,62 @@ pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator>
 
 /// Specifications by file, each read once for all coordinators that run it; `None` if it cannot be read any more.
 #[derive(Default)]
-struct SpecificationsRead(BTreeMap<String, Option<Specification>>);
+struct SpecificationsRead(BTreeMap<String, Option<ControlStates>>);
 
 impl SpecificationsRead {
-    fn get(&mut self, file: &str) -> Option<&Specification> {
+    fn get(&mut self, file: &str) -> Option<&mut ControlStates> {
         // the file was read at the start of the run
-        let read = || asmotion_lang::open(file, &DiskLoader).ok();
-        self.0.entry(file.to_owned()).or_insert_with(read).as_ref()
+        let read = || {
+            let specification = asmotion_lang::open(file, &DiskLoader).ok()?;
+            let exits = BTreeMap::new();
+            Some(ControlStates {
+                specification,
+                exits,
+            })
+        };
+        self.0.entry(file.to_owned()).or_insert_with(read).as_mut()
+    }
+}
+
+/// The control states of a specification, as far as coordinators are in them.
+struct ControlStates {
+    specification: Specification,
+    /// Whether a rule leaves a state, by location and value; `None` if that is not known.
+    exits: BTreeMap<(String, String), Option<bool>>,
+}
+
+impl ControlStates {
+    /// The control state, if no rule leaves it.
+    fn without_exit(&mut self, status: &CoordinatorStatus) -> Option<String> {
+        let (location, value) = status.control_state()?;
+        let state = (location.to_owned(), value.to_owned());
+        let known = || has_exit(&self.specification, location, value);
+        let has_exit = (*self.exits.entry(state).or_insert_with(known))?;
+        (!has_exit).then(|| format!("no rule leaves `{location} = {value}`"))
+    }
+}
+
+/// The topics of a plan by component and input.
+struct SubscribedTopics<'p>(BTreeMap<(&'p str, &'p str), &'p Topic>);
+
+impl<'p> SubscribedTopics<'p> {
+    fn of(plan: &'p Plan) -> Self {
+        let ends = plan.topics.iter().flat_map(|topic| {
+            let ends = topic.subscribers.iter();
+            ends.map(move |end| ((&*end.component, &*end.name), topic))
+        });
+        // of several topics for an input, the first one counts
+        Self(ends.rev().collect())
+    }
+
+    fn origin_of(&self, component: &Component, port: &str) -> String {
+        match self.0.get(&(&*component.name, port)) {
+            Some(topic) if topic.publishers.is_empty() => {
+                format!("topic `{}`, which no component publishes", topic.name)
+            }
+            Some(topic) => format!("topic `{}`", topic.name),
+            None => format!("port `{port}`"),
+        }
     }
 }
 
@@ -100,9 +150,9 @@ fn equation((location, value): (&str, &str)) -> String {
 }
 
 fn reasons(
-    plan: &Plan,
+    topics: &SubscribedTopics<'_>,
     component: &Component,
-    specification: Option<&Specification>,
+    control_states: Option<&mut ControlStates>,
     status: &CoordinatorStatus,
 ) -> Vec<String> {
     if status.step == 0 {
@@ -112,21 +162,14 @@ fn reasons(
     let mut reasons: Vec<String> = calls
         .map(|call| format!("the call of `{call}` has no reply"))
         .collect();
-    reasons.extend(specification.and_then(|it| without_exit(it, status)));
+    reasons.extend(control_states.and_then(|it| it.without_exit(status)));
     let silent = status.silent.iter();
     let read = silent.filter(|function| status.read.contains_key(*function));
-    reasons.extend(read.map(|function| no_message(plan, component, function)));
+    reasons.extend(read.map(|function| no_message(topics, component, function)));
     if reasons.is_empty() {
         reasons.push(last_step(status));
     }
     reasons
-}
-
-/// The control state, if no rule leaves it.
-fn without_exit(specification: &Specification, status: &CoordinatorStatus) -> Option<String> {
-    let (location, value) = status.control_state()?;
-    let exits = has_exit(specification, location, value)?;
-    (!exits).then(|| format!("no rule leaves `{location} = {value}`"))
 }
 
 fn has_exit(specification: &Specification, function: &str, literal: &str) -> Option<bool> {
@@ -140,7 +183,7 @@ fn has_exit(specification: &Specification, function: &str, literal: &str) -> Opt
 }
 
 /// The reason that no message has arrived for a monitored location, with the origin of its messages.
-fn no_message(plan: &Plan, component: &Component, location: &str) -> String {
+fn no_message(topics: &SubscribedTopics<'_>, component: &Component, location: &str) -> String {
     let name = LocationName::from(location);
     let bound = component.binding.iter().flat_map(|it| &it.monitored);
     let mut bound = bound.filter(|it| {
@@ -148,25 +191,13 @@ fn no_message(plan: &Plan, component: &Component, location: &str) -> String {
         it.location == name || is_selected
     });
     let origin = match bound.next().map(|monitored| &monitored.from) {
-        Some(Source::Port(port)) => origin_of(plan, component, port),
+        Some(Source::Port(port)) => topics.origin_of(component, port),
         Some(Source::Request(operation)) => format!("requests of `{operation}`"),
         Some(Source::Timer { .. } | Source::Losses(_) | Source::Value(_)) | None => {
             "its binding".to_owned()
         }
     };
     format!("no message has arrived for `{location}` ({origin})")
-}
-
-fn origin_of(plan: &Plan, component: &Component, port: &str) -> String {
-    let is_port = |end: &asmotion_plan::End| end.component == component.name && end.name == port;
-    let mut topics = plan.topics.iter();
-    match topics.find(|topic| topic.subscribers.iter().any(is_port)) {
-        Some(topic) if topic.publishers.is_empty() => {
-            format!("topic `{}`, which no component publishes", topic.name)
-        }
-        Some(topic) => format!("topic `{}`", topic.name),
-        None => format!("port `{port}`"),
-    }
 }
 
 /// The inputs of the last step, and whether it wrote anything.

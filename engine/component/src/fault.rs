@@ -85,6 +85,7 @@ impl fmt::Display for Fault {
                 "components trigger each other without end at {at}: {}",
                 components.join(", ")
             ),
+            Self::Overrun { missed: 1 } => f.write_str("missed a period"),
             Self::Overrun { missed } => write!(f, "missed {missed} periods"),
             Self::Late { took, deadline } => {
                 write!(f, "a cycle took {took:?}, and has {deadline:?}")

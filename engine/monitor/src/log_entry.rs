@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asmotion_component::{LOG_REPORT, NOTICE_REPORT, Time};
+use asmotion_component::{Fault, LOG_REPORT, NOTICE_REPORT, Time};
 use asmotion_coordinator::{
     BAD_REPLY_REPORT, LOSSES_REPORT, UNFIT_REPORT, UNSENT_REPORT, VIOLATION_REPORT, ViolationRecord,
 };
@@ -148,7 +148,7 @@ pub(crate) fn of(at: Time, event: &Event<'_>) -> Option<LogEntry> {
             LogLevel::Warning,
             "overrun",
             component,
-            &format!("missed {missed} periods"),
+            &Fault::Overrun { missed: *missed }.to_string(),
         ),
         Event::Late {
             component,

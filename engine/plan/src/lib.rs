@@ -3,6 +3,7 @@
 
 mod codes;
 mod component;
+mod component_list;
 mod component_thread;
 mod connection_route;
 mod expand;
@@ -18,6 +19,7 @@ mod route;
 
 pub use codes::CODES;
 pub use component::{Component, Port, Service};
+pub use component_list::ComponentList;
 pub use component_thread::{ComponentThread, ThreadReason};
 pub use connection_route::{ConnectionRoute, RouteEnd, RouteTransport};
 pub use expand::{beside, expand};

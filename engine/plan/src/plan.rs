@@ -7,6 +7,7 @@ use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::Schema;
 
 use crate::component::Component;
+use crate::component_list::ComponentList;
 use crate::joint::{Connection, Promoted, Topic};
 pub use asmotion_composite::address::Endpoint;
 pub use asmotion_composite::end::{End, Terminal};
@@ -40,7 +41,7 @@ pub struct Plan {
     /// Bridges of all composites.
     pub bridges: Vec<Bridge>,
     /// Components in file order.
-    pub components: Vec<Component>,
+    pub components: ComponentList,
     /// Topics in order of their names.
     pub topics: Vec<Topic>,
     /// Connections, one per pair of ends.
@@ -64,9 +65,8 @@ pub struct Plan {
 impl Plan {
     /// Returns the component of this qualified name.
     pub fn component(&self, name: &str) -> Option<&Component> {
-        self.components
-            .iter()
-            .find(|component| component.name == name)
+        let position = self.components.position(name)?;
+        self.components.get(position)
     }
 
     /// Returns the process of a component of the plan; `None` if the component is unknown and there are several processes.

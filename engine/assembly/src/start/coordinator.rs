@@ -34,8 +34,7 @@ pub(super) fn options(
     component: &asmotion_plan::Component,
     plan: &Plan,
 ) -> CoordinatorOptions {
-    let mut components = plan.components.iter();
-    let position = components.position(|it| it.name == component.name);
+    let position = plan.components.position(&component.name);
     CoordinatorOptions {
         seed: options.seed.wrapping_add(position.unwrap_or(0) as u64),
         ..options

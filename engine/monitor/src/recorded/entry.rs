@@ -64,7 +64,10 @@ pub(super) fn of_event(record: &Datum) -> Option<NewEntry> {
         "overrun" => (
             LogLevel::Warning,
             "overrun",
-            format!("missed {} periods", member("count")),
+            match &*member("count") {
+                "1" => "missed a period".to_owned(),
+                count => format!("missed {count} periods"),
+            },
         ),
         "late" => {
             let (took, deadline) = (member("took_s"), member("deadline_s"));

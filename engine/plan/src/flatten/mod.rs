@@ -10,11 +10,12 @@ mod place;
 mod proxy_target;
 mod topic;
 
-use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Sources, Span};
 
+use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
+use crate::component_list::ComponentList;
 use crate::plan::{Plan, PropertyValues};
 use asmotion_composite::Context;
 use asmotion_composite::check::{self, Faces};
@@ -68,7 +69,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         brokers: Vec::new(),
         gateways: Vec::new(),
         bridges: Vec::new(),
-        components: Vec::new(),
+        components: ComponentList::default(),
         topics: Vec::new(),
         connections: Vec::new(),
         wires: Vec::new(),

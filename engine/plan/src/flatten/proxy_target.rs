@@ -23,7 +23,7 @@ pub(super) fn resolve(plan: &mut Plan) {
         resolved.push((index, targets.collect::<Vec<String>>()));
     }
     for (index, targets) in resolved {
-        let component = plan.components.get_mut(index);
+        let component = plan.components.at_mut(index);
         if let Some(bridge) = component.and_then(|it| it.bridge.as_mut()) {
             bridge.targets = targets;
         }

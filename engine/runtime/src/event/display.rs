@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use asmotion_component::CallError;
+use asmotion_component::{CallError, Fault};
 use asmotion_datum::Sample;
 
 use super::Event;
@@ -73,7 +73,8 @@ impl fmt::Display for Event<'_> {
             } => write!(f, "{component}: {from} -> {to}"),
             Self::Fault { component, fault } => write!(f, "{component}: fault: {fault}"),
             Self::Overrun { component, missed } => {
-                write!(f, "{component}: missed {missed} periods")
+                let fault = Fault::Overrun { missed: *missed };
+                write!(f, "{component}: {fault}")
             }
             Self::Late {
                 component,

@@ -1,6 +1,7 @@
 //! Helpers shared by the tests.
 
 use std::num::NonZeroUsize;
+use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
@@ -14,6 +15,29 @@ use asmotion_datum::{Datum, Schema};
 
 /// Timeout of every wait, long enough for a loaded machine.
 pub const LONG: Duration = Duration::from_secs(30);
+
+/// Returns `true` in a process that runs only this test, and starts that process first: a test of what its process uses would otherwise
+/// count the other tests.
+///
+/// # Panics
+/// Panics if the test fails there.
+pub fn is_own_process(test: &str) -> bool {
+    const ALONE: &str = "ASMOTION_TEST_ALONE";
+    if std::env::var_os(ALONE).is_some() {
+        return true;
+    }
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.args([test, "--exact", "--nocapture", "--test-threads=1"]);
+    let output = command.env(ALONE, "1").output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    println!("{text}{}", String::from_utf8_lossy(&output.stderr));
+    // none if the name is that of no test
+    assert!(
+        output.status.success() && text.contains("running 1 test"),
+        "{test} fails alone"
+    );
+    false
+}
 
 pub fn settings(url: &str) -> AmqpSettings {
     AmqpSettings::parse(url).unwrap()

@@ -7,8 +7,8 @@ use asmotion_amqp::{AmqpBus, BusNotice};
 use asmotion_bus::{Bus, BusError, LinkState, Notifier, PublishOptions, QueuePolicy};
 
 use crate::common::{
-    LONG, all, connect, events, eventually, is_down, noted, number, numbers, publisher, quick,
-    settings, subscribe,
+    LONG, all, connect, events, eventually, is_down, is_own_process, noted, number, numbers,
+    publisher, quick, settings, subscribe,
 };
 use crate::raw;
 
@@ -154,6 +154,10 @@ fn a_broker_frozen_until_it_is_given_up() {
 
 #[test]
 fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() {
+    let test = "faults::a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound";
+    if !is_own_process(test) {
+        return;
+    }
     let Some(broker) = asmotion_broker::alone() else {
         return;
     };
