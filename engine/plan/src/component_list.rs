@@ -1,13 +1,14 @@
 //! The components of a plan.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::ops::Deref;
 
 use crate::component::Component;
 
 /// Components in file order, which are also found by name without a search through all of them: planning and starting a system look up
 /// each component of thousands by its name.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub struct ComponentList {
     components: Vec<Component>,
     /// Positions by qualified name; of several components with one name, that of the first.
@@ -31,6 +32,13 @@ impl ComponentList {
     /// Returns the component at a position to change what is not its name.
     pub(crate) fn at_mut(&mut self, position: usize) -> Option<&mut Component> {
         self.components.get_mut(position)
+    }
+}
+
+/// The components as a list.
+impl fmt::Debug for ComponentList {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.components.fmt(f)
     }
 }
 
