@@ -196,8 +196,9 @@ impl Mission {
         }
     }
 
-    /// Opens the composite once for its [brokers](Self::named_brokers), its [gateways](Self::named_gateways) and the run, which opens it again only
-    /// if other robots or the brokers have something to say about it. Call this after setting the profile, the process and the properties.
+    /// Opens the composite once for its [brokers](Self::named_brokers), its [gateways](Self::named_gateways) and the run. The run opens it
+    /// again if it has errors, or components of other robots, which are asked over the brokers. Call this after setting the profile, the
+    /// process and the properties.
     pub(crate) fn open_early(&mut self) {
         let opened = self.open(&self.composite, &DiskLoader, self.build.programs());
         self.opened = Some(Arc::new(opened));

@@ -106,7 +106,8 @@ impl SpecificationsRead {
 /// The control states of a specification, as far as coordinators are in them.
 struct ControlStates {
     specification: Specification,
-    /// Whether a rule leaves a state, by location and value; `None` if that is not known.
+    /// For each control state, as location and value: whether a rule leaves it. `None` if the specification has no such location without
+    /// parameters, or no such value.
     exits: BTreeMap<(String, String), Option<bool>>,
 }
 

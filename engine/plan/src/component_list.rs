@@ -6,8 +6,8 @@ use std::ops::Deref;
 
 use crate::component::Component;
 
-/// Components in file order, which are also found by name without a search through all of them: planning and starting a system look up
-/// each component of thousands by its name.
+/// Components in file order, with an index by name: planning and starting a system look up each component, of which there may be
+/// thousands.
 #[derive(Clone, Default, PartialEq)]
 pub struct ComponentList {
     components: Vec<Component>,

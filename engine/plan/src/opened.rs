@@ -51,7 +51,7 @@ impl Opened {
         found.map(|(_, plan)| plan)
     }
 
-    /// Returns `true` if a component of a profile stands for one of another robot, whose interface that robot has told or can tell.
+    /// Returns `true` if a component of a profile stands for one of another robot. Its interface is known only to that robot.
     pub fn has_robot_components(&self) -> bool {
         let components = self.plans.iter().flat_map(|(_, plan)| &plan.components);
         let mut addresses = components.map(|it| it.implementation.robot_component());

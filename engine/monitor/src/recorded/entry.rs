@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use asmotion_component::Time;
+use asmotion_component::{Fault, Time};
 use asmotion_coordinator::{VIOLATION_REPORT, ViolationRecord};
 use asmotion_datum::Datum;
 
@@ -64,10 +64,10 @@ pub(super) fn of_event(record: &Datum) -> Option<NewEntry> {
         "overrun" => (
             LogLevel::Warning,
             "overrun",
-            match &*member("count") {
-                "1" => "missed a period".to_owned(),
-                count => format!("missed {count} periods"),
-            },
+            Fault::Overrun {
+                missed: member("count").parse().unwrap_or_default(),
+            }
+            .to_string(),
         ),
         "late" => {
             let (took, deadline) = (member("took_s"), member("deadline_s"));
