@@ -10,6 +10,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Arc, Mutex, OnceLock};
 use xtask::checkout::Checkout;
 
 const KEYS: &str = include_str!("keys/keys.toml");
@@ -167,62 +168,112 @@ fn ran(folder: &Path, path: &str, edit: &Edit) -> String {
     format!("{code:?}\n{}\n{trace}", events.join("\n"))
 }
 
-/// A copy of the specifications.
-fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let copied = Command::new("cp")
-        .arg("-r")
-        .arg(root().join("specs"))
-        .arg(folder.path())
-        .status();
-    assert!(copied.unwrap().success());
-    folder
+/// Replaces a text that occurs in the file of a composite.
+fn replaced(text: &str, from: &str, to: &str, of: &str) -> String {
+    assert!(text.contains(from), "`{from}` is not in {of}");
+    text.replacen(from, to, 1)
 }
 
-fn composite(folder: &Path, name: &str) -> PathBuf {
-    folder.join(format!("specs/{name}.composite.toml"))
+/// The specifications, with other texts of some composites.
+#[derive(Default, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Version {
+    composites: BTreeMap<String, String>,
 }
 
-/// Replaces a text that occurs in a file.
-fn change(path: &Path, from: &str, to: &str) {
-    let text = std::fs::read_to_string(path).unwrap();
-    assert!(text.contains(from), "`{from}` is not in {}", path.display());
-    std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+impl Version {
+    fn path(folder: &Path, of: &str) -> PathBuf {
+        folder.join(format!("specs/{of}.composite.toml"))
+    }
+
+    /// The text of a composite.
+    fn text(&self, of: &str) -> String {
+        let own = || std::fs::read_to_string(Self::path(root(), of)).unwrap();
+        self.composites.get(of).cloned().unwrap_or_else(own)
+    }
+
+    /// With a text that occurs in a composite replaced by another.
+    fn with(mut self, of: &str, from: &str, to: &str) -> Self {
+        let text = replaced(&self.text(of), from, to, of);
+        self.composites.insert(of.to_owned(), text);
+        self
+    }
+
+    /// With a text at the end of a composite, which may be empty.
+    fn with_end(mut self, of: &str, end: &str) -> Self {
+        let mut text = self.text(of);
+        if !end.is_empty() {
+            text = format!("{text}\n{end}\n");
+        }
+        self.composites.insert(of.to_owned(), text);
+        self
+    }
+
+    /// A copy of the specifications.
+    fn folder(&self) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let copied = Command::new("cp")
+            .arg("-r")
+            .arg(root().join("specs"))
+            .arg(folder.path())
+            .status();
+        assert!(copied.unwrap().success());
+        for (of, text) in &self.composites {
+            std::fs::write(Self::path(folder.path(), of), text).unwrap();
+        }
+        folder
+    }
+}
+
+/// Observations of versions. Most changes have the same version before them, which is observed once.
+struct Observed<T>(Mutex<BTreeMap<(Version, String), Arc<OnceLock<T>>>>);
+
+impl<T: Clone> Observed<T> {
+    fn new() -> Self {
+        Self(Mutex::default())
+    }
+
+    /// Looks at a folder with a version, unless it has been looked at in this way.
+    fn get(&self, version: &Version, way: String, look: impl FnOnce(&Path) -> T) -> T {
+        let entry = (version.clone(), way);
+        let known = Arc::clone(self.0.lock().unwrap().entry(entry).or_default());
+        let looked = known.get_or_init(|| look(version.folder().path()));
+        looked.clone()
+    }
+}
+
+/// Observations of all changes.
+struct Observations {
+    findings: Observed<BTreeSet<(String, String)>>,
+    texts: Observed<String>,
 }
 
 impl Edit {
-    /// Folders with the composite before and after the change.
-    fn folders(&self) -> [tempfile::TempDir; 2] {
-        let folders = [folder(), folder()];
-        let replaced = self.replace.as_deref();
+    /// Before and after the change.
+    fn versions(&self) -> [Version; 2] {
+        let (of, replaced) = (&*self.of, self.replace.as_deref());
+        let base = self.base.iter();
+        let base = base.fold(Version::default(), |it, (from, to)| it.with(of, from, to));
+        let changed = |text: &str| match replaced {
+            Some(from) => base.clone().with(of, from, text),
+            None => base.clone().with_end(of, text),
+        };
         let before = self.before.as_deref().or(replaced).unwrap_or_default();
-        for (folder, text) in folders.iter().zip([before, &self.with]) {
-            let path = composite(folder.path(), &self.of);
-            for (from, to) in &self.base {
-                change(&path, from, to);
-            }
-            if let Some(from) = replaced {
-                change(&path, from, text);
-            } else {
-                let whole = std::fs::read_to_string(&path).unwrap();
-                std::fs::write(&path, format!("{whole}\n{text}\n")).unwrap();
-            }
-        }
+        let mut after = changed(&self.with);
         if let Some(Companion { of, replace, with }) = &self.also {
-            let name = of.as_ref().unwrap_or(&self.of);
-            change(&composite(folders[1].path(), name), replace, with);
+            after = after.with(of.as_ref().unwrap_or(&self.of), replace, with);
         }
-        folders
+        [changed(before), after]
     }
 
     /// The reason that no effect is observed.
-    fn failure(&self) -> Option<String> {
-        let folders = self.folders();
+    fn failure(&self, observations: &Observations) -> Option<String> {
+        let versions = self.versions();
         let name = self.run.as_ref().unwrap_or(&self.of);
         let path = format!("specs/{name}.composite.toml");
-        let [before, after] = folders
-            .each_ref()
-            .map(|folder| findings(folder.path(), &path));
+        let [before, after] = versions.each_ref().map(|version| {
+            let look = |folder: &Path| findings(folder, &path);
+            observations.findings.get(version, path.clone(), look)
+        });
         let new: Vec<_> = after.difference(&before).collect();
         if new.iter().any(|(code, _)| SYNTAX.contains(&&**code)) {
             return Some(format!("the change is not valid: {new:?}"));
@@ -234,22 +285,28 @@ impl Edit {
         if before != after {
             return None;
         }
-        let differ = |look: &dyn Fn(&Path) -> String| {
-            let [before, after] = folders.each_ref().map(|folder| look(folder.path()));
+        let differ = |way: String, look: &dyn Fn(&Path) -> String| {
+            let looked = |version| observations.texts.get(version, way.clone(), look);
+            let [before, after] = versions.each_ref().map(looked);
             before != after
         };
-        let is_seen =
-            differ(&|folder| shown(folder, &path)) || differ(&|folder| ran(folder, &path, self));
+        let run = format!("run {path} {} {:?}", self.seconds, self.set);
+        let is_seen = differ(format!("show {path}"), &|folder| shown(folder, &path))
+            || differ(run, &|folder| ran(folder, &path, self));
         (!is_seen).then(|| "the change has no effect".to_owned())
     }
 }
 
 #[test]
 fn every_key_has_an_effect_or_a_code_that_says_it_has_none() {
+    let observations = Observations {
+        findings: Observed::new(),
+        texts: Observed::new(),
+    };
     let failures: Vec<String> = keys()
         .edits
         .par_iter()
-        .filter_map(|(key, edit)| Some(format!("{key}: {}", edit.failure()?)))
+        .filter_map(|(key, edit)| Some(format!("{key}: {}", edit.failure(&observations)?)))
         .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
@@ -298,9 +355,9 @@ fn what_the_readme_calls_missing_is_reported_and_nothing_else() {
         let Some(table) = table.iter().find(|it| key.starts_with(**it)) else {
             continue;
         };
-        let folders = edit.folders();
+        let [_, after] = edit.versions();
         let path = format!("specs/{}.composite.toml", edit.of);
-        let findings = findings(folders[1].path(), &path);
+        let findings = findings(after.folder().path(), &path);
         assert!(
             findings.iter().any(|(code, _)| code == "C076"),
             "{key}: {findings:?}"
