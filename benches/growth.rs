@@ -167,6 +167,18 @@ const ROWS: &[Row] = &[
         work: begun,
         units: |size| size,
     },
+    Row {
+        name: "connected",
+        unit: "start of two coordinators that are connected to each other, with their first cycle",
+        sizes: [100, 300, 1_000, 3_000],
+        // the specification is read and compiled once for all of them
+        limit: 0.0,
+        work: |size, times| {
+            let composite = || pairs(size);
+            (0..times).for_each(|_| drop(started(composite())));
+        },
+        units: |size| size,
+    },
 ];
 
 fn open(text: &str) -> Specification {
@@ -283,13 +295,48 @@ fn mission(size: u64, times: u64, tells_steps: bool) {
     assert!(end.unwrap().summary.steps >= 10 * size * times);
 }
 
+/// A composite of so many pairs of coordinators, each of which is connected to the other.
+fn pairs(pairs: u64) -> String {
+    let coordinators = ["Rover", "Driver"].map(|name| {
+        format!(
+            "[components.{name}]
+for = \"$n in 1..{pairs}\"
+implementation = {{ asm = \"rover.asm\" }}
+task = {{ period_ms = 100 }}
+ports.in = {{ arrived = \"bench/Flag\" }}
+ports.out = {{ command = \"bench/Mode\", resting = \"bench/Flag\" }}
+bind.monitored = {{ arrived = {{ topic = \"arrived\", map = \"data\", none = false }} }}
+bind.out = {{ command = {{ topic = \"command\", field = \"data\" }}, resting = {{ topic = \"resting\", field = \"data\" }} }}
+"
+        )
+    });
+    let connections = [("Rover", "Driver"), ("Driver", "Rover")].map(|(from, to)| {
+        format!(
+            "[[connections]]
+for = \"$n in 1..{pairs}\"
+from = \"{from}$n.resting\"
+to = \"{to}$n.arrived\"
+"
+        )
+    });
+    format!(
+        "schema = \"composite/1\"\n[composite]\nname = \"pairs\"\n{}{}",
+        coordinators.concat(),
+        connections.concat()
+    )
+}
+
 /// Starts so many coordinators, and runs each of them for ten cycles.
 fn roving(size: u64) -> Simulation {
+    let mut run = started(rovers::composite(usize::try_from(size).unwrap()));
+    run.run_for(Duration::from_millis(1000));
+    run
+}
+
+/// Starts a composite, whose components have their first cycle.
+fn started(composite: String) -> Simulation {
     let mut files = MemoryFiles::new();
-    files.add(
-        "main.toml",
-        rovers::composite(usize::try_from(size).unwrap()),
-    );
+    files.add("main.toml", composite);
     files.add("rover.asm", rovers::SPECIFICATION);
     let specifications = AsmFiles::new(&files);
     let context = Context {
@@ -305,7 +352,7 @@ fn roving(size: u64) -> Simulation {
     let mut workshop = Standard::new(&rovers::BUILD, &files, options);
     let system = asmotion_assembly::start(opened.plan(None).unwrap(), &mut workshop);
     let mut run = system.unwrap().simulate();
-    run.run_for(Duration::from_millis(1000));
+    run.run_for(Duration::ZERO);
     run
 }
 

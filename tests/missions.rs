@@ -53,9 +53,9 @@ fn tell(mission: &Mission) -> (String, MissionEnd) {
         .unwrap();
     let mut story = story.lock().unwrap().clone();
     let summary = &ended.summary;
-    let way = summary.robots.only_path().into_iter().map(|way| {
-        let left = way.to_goal_m().unwrap_or(f64::NAN);
-        format!(", {:.1} m driven, {left:.2} m from the goal", way.driven_m)
+    let way = summary.robots.only().into_iter().map(|robot| {
+        let (driven, left) = (robot.path.driven_m, robot.to_goal_m().unwrap_or(f64::NAN));
+        format!(", {driven:.1} m driven, {left:.2} m from the goal")
     });
     story += &format!(
         "\n{:?} in {} after {:.2} s{}\n",
@@ -88,7 +88,7 @@ fn an_arm_is_told_by_what_it_is() {
     let mut mission = Mission::new(composite.display().to_string());
     mission.until = Some(vec![("mode".to_owned(), "IDLE".to_owned())]);
     let (story, ended) = tell(&mission);
-    assert_eq!(ended.summary.robots.only_path(), None, "nothing drives");
+    assert_eq!(ended.summary.robots.only(), None, "nothing drives");
     assert_eq!(ended.summary.calls.of("notifying.notify"), 24);
     insta::assert_snapshot!(story);
 }
@@ -259,14 +259,7 @@ fn every_seed_reaches_the_goal() {
             "seed {seed}:\n{story}"
         );
         assert!(
-            ended
-                .summary
-                .robots
-                .only_path()
-                .unwrap()
-                .to_goal_m()
-                .unwrap()
-                < 0.15,
+            ended.summary.robots.only().unwrap().to_goal_m().unwrap() < 0.15,
             "seed {seed}:\n{story}"
         );
         assert!(!story.contains("collision"), "seed {seed}:\n{story}");

@@ -3,7 +3,7 @@
 use std::fmt;
 #[cfg(feature = "ros")]
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use asmotion_component::Interface;
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
@@ -22,12 +22,37 @@ use crate::feature::without_bridges;
 /// A component brings the types of its ports and the operations of its services and references with it.
 #[derive(Clone, Default)]
 pub(super) struct BuildCatalogue {
-    components: Vec<(String, ComponentFactory)>,
+    components: Vec<(String, RegisteredComponent)>,
     messages: Vec<(String, Schema)>,
     interfaces: Vec<(String, Vec<OperationDeclaration>)>,
     protocols: Vec<(String, String)>,
     /// Contradictions between registrations.
     problems: Vec<String>,
+}
+
+/// How a component is created, and what it declares.
+#[derive(Clone)]
+struct RegisteredComponent {
+    factory: ComponentFactory,
+    /// Known once a component has been created for it.
+    declaration: OnceLock<Arc<Declaration>>,
+}
+
+impl RegisteredComponent {
+    fn new(factory: ComponentFactory) -> Self {
+        Self {
+            factory,
+            declaration: OnceLock::new(),
+        }
+    }
+
+    fn declaration(&self) -> &Arc<Declaration> {
+        self.declaration.get_or_init(|| {
+            let mut scratch = Interface::new();
+            (self.factory)(&mut scratch);
+            Arc::new(scratch.declaration().clone())
+        })
+    }
 }
 
 impl BuildCatalogue {
@@ -45,9 +70,10 @@ impl BuildCatalogue {
                 .push(((*name).to_owned(), operations()));
         }
         for (name, constructor) in asmotion_components::COMPONENTS {
-            catalogue
-                .components
-                .push(((*name).to_owned(), Arc::new(constructor)));
+            catalogue.components.push((
+                (*name).to_owned(),
+                RegisteredComponent::new(Arc::new(constructor)),
+            ));
         }
         for (name, protocol) in asmotion_components::PROTOCOLS {
             catalogue
@@ -83,7 +109,8 @@ impl BuildCatalogue {
         self.problems
             .extend(problems.map(|problem| format!("component `{name}`: {problem}")));
         self.add_types(scratch.declaration());
-        self.components.push((name.to_owned(), factory));
+        self.components
+            .push((name.to_owned(), RegisteredComponent::new(factory)));
     }
 
     /// Replaces a component with another implementation that has the same name.
@@ -170,7 +197,13 @@ impl Catalogue for BuildCatalogue {
     }
 
     fn factory(&self, component: &str) -> Option<ComponentFactory> {
-        find(&self.components, component).cloned()
+        let registered = find(&self.components, component);
+        registered.map(|it| Arc::clone(&it.factory))
+    }
+
+    fn declaration(&self, component: &str) -> Option<Arc<Declaration>> {
+        let registered = find(&self.components, component);
+        registered.map(|it| Arc::clone(it.declaration()))
     }
 
     fn protocol(&self, component: &str) -> Option<String> {

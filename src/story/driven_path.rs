@@ -1,4 +1,4 @@
-//! The path that a robot drives, by its odometry, and the true position that a simulator reports.
+//! The path that a robot drives, by its odometry.
 
 use asmotion_component::Time;
 use asmotion_datum::Sample;
@@ -15,17 +15,13 @@ const STANDS: f64 = 0.1;
 /// Name of the outputs on which simulators publish the true pose of the robot.
 const TRUE_POSE_PORT: &str = "truth";
 
-/// A driven path and its goal.
+/// A driven path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrivenPath {
     /// Distance driven by odometry, m.
     pub driven_m: f64,
-    /// The newest goal.
-    pub(super) goal: Option<Point>,
     /// The newest position by odometry.
-    at: Option<Point>,
-    /// The newest true position; `None` without a simulator.
-    true_at: Option<Point>,
+    pub(super) at: Option<Point>,
     /// Time of the last report of progress, and the distance driven by then.
     last_report: (f64, f64),
 }
@@ -55,31 +51,21 @@ impl DrivenPath {
         Some(pose.pose.position)
     }
 
-    /// Distance to the newest goal by odometry, m; `None` without a goal or a position.
-    pub fn to_goal_m(&self) -> Option<f64> {
-        Some(distance(&self.goal?, &self.at?))
-    }
-
-    /// True distance to the newest goal, m; `None` without a goal or a simulator.
-    pub fn true_to_goal_m(&self) -> Option<f64> {
-        Some(distance(&self.goal?, &self.true_at?))
-    }
-
-    /// Sets the true position, if it is known.
-    pub(super) fn set_true_position(&mut self, position: Option<Point>) {
-        self.true_at = position;
-    }
-
-    /// Adds a position. Returns a report of progress from time to time.
-    pub(super) fn moved(&mut self, at: Time, to: Point) -> Option<String> {
+    /// Adds a position. Returns a report of progress from time to time, if there is a goal.
+    pub(super) fn moved(
+        &mut self,
+        at: Time,
+        to: Point,
+        goal: impl FnOnce() -> Option<Point>,
+    ) -> Option<String> {
         if let Some(from) = self.at.replace(to) {
             self.driven_m += distance(&from, &to);
         }
-        let remaining = self.to_goal_m()?;
         let (then, driven) = self.last_report;
         if at.seconds() - then < PROGRESS_S || self.driven_m - driven < STANDS {
             return None;
         }
+        let remaining = distance(&goal()?, &to);
         self.last_report = (at.seconds(), self.driven_m);
         Some(format!(
             "{FAINT}at ({:.1}, {:.1}), {remaining:.1} m from the goal{FAINT:#}",
@@ -88,6 +74,7 @@ impl DrivenPath {
     }
 }
 
-fn distance(one: &Point, other: &Point) -> f64 {
+/// Distance between two points, m.
+pub(super) fn distance(one: &Point, other: &Point) -> f64 {
     (one.x - other.x).hypot(one.y - other.y)
 }

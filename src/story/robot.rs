@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use asmotion_component::Time;
 use asmotion_messages::Point;
 
-use super::driven_path::DrivenPath;
+use super::driven_path::{DrivenPath, distance};
 use super::summary::common;
 
 /// The robots of a composite. A robot is a nested composite whose components publish odometry, or the whole composite.
@@ -28,49 +28,71 @@ pub struct Robots {
 pub struct RobotSummary<'a> {
     /// Name of its composite, as in `Left`; empty if it is the whole composite.
     pub name: &'a str,
-    /// The driven path and its goal.
+    /// The driven path.
     pub path: &'a DrivenPath,
+    /// The newest goal.
+    pub goal: Option<Point>,
+    /// The newest true position; `None` without a simulator.
+    pub true_position: Option<Point>,
     /// The last control state of its coordinators; `None` if they differ, or if it has none.
     pub control_state: Option<&'a str>,
     /// The inputs of the step in which the only coordinator entered it, as in `event = NO_PATH`; empty without inputs.
     pub cause: &'a str,
 }
 
+impl RobotSummary<'_> {
+    /// Distance to the newest goal by odometry, m; `None` without a goal.
+    pub fn to_goal_m(&self) -> Option<f64> {
+        Some(distance(&self.goal?, &self.path.at?))
+    }
+
+    /// True distance to the newest goal, m; `None` without a goal or a simulator.
+    pub fn true_to_goal_m(&self) -> Option<f64> {
+        Some(distance(&self.goal?, &self.true_position?))
+    }
+}
+
 impl Robots {
     /// All robots by name, `Rover2` before `Rover10`.
     pub fn all(&self) -> impl Iterator<Item = RobotSummary<'_>> {
-        let is_only = self.paths.len() == 1;
         let mut paths: Vec<_> = self.paths.iter().collect();
         paths.sort_by_key(|(name, _)| by_number(name));
-        paths.into_iter().map(move |(name, path)| {
-            let states = nearest(&self.control_states, name, is_only);
-            let only = states.filter(|it| it.len() == 1);
-            let coordinator = only.and_then(|it| it.keys().next());
-            let cause = coordinator.and_then(|it| self.causes.get(it));
-            RobotSummary {
-                name,
-                path,
-                control_state: states.and_then(|states| common(states.values())),
-                cause: cause.map_or("", String::as_str),
-            }
-        })
+        let all = paths.into_iter();
+        all.map(|(name, path)| self.summary(name, path))
     }
 
-    /// The path of the only robot; `None` if there are several, or if nothing moved.
-    pub fn only_path(&self) -> Option<&DrivenPath> {
-        let mut paths = self.paths.values();
-        paths.next().filter(|_| paths.next().is_none())
+    /// The only robot; `None` if there are several, or if nothing moved.
+    pub fn only(&self) -> Option<RobotSummary<'_>> {
+        let mut paths = self.paths.iter();
+        let (name, path) = paths.next().filter(|_| paths.next().is_none())?;
+        Some(self.summary(name, path))
+    }
+
+    fn summary<'a>(&'a self, name: &'a str, path: &'a DrivenPath) -> RobotSummary<'a> {
+        let is_only = self.paths.len() == 1;
+        let states = nearest(&self.control_states, name, is_only);
+        let only = states.filter(|it| it.len() == 1);
+        let coordinator = only.and_then(|it| it.keys().next());
+        let cause = coordinator.and_then(|it| self.causes.get(it));
+        RobotSummary {
+            name,
+            path,
+            goal: nearest(&self.goals, name, is_only).copied(),
+            true_position: nearest(&self.true_positions, name, is_only).copied(),
+            control_state: states.and_then(|states| common(states.values())),
+            cause: cause.map_or("", String::as_str),
+        }
     }
 
     /// Handles a position of the robot to which the component belongs. Returns a report of progress, if due.
     pub(super) fn moved(&mut self, component: &str, at: Time, to: Point) -> Option<String> {
         let robot = composite_of(component);
-        // at its first position, the robot is not counted yet
-        let is_only = self.paths.keys().all(|known| known == robot);
-        let goal = nearest(&self.goals, robot, is_only).copied();
-        let path = self.path(robot);
-        path.goal = goal;
-        let report = path.moved(at, to)?;
+        if !self.paths.contains_key(robot) {
+            self.paths.insert(robot.to_owned(), DrivenPath::default());
+        }
+        let is_only = self.paths.len() == 1;
+        let goal = || nearest(&self.goals, robot, is_only).copied();
+        let report = self.paths.get_mut(robot)?.moved(at, to, goal)?;
         Some(if is_only {
             report
         } else {
@@ -78,31 +100,14 @@ impl Robots {
         })
     }
 
-    /// The path of the robot to which the component belongs.
-    fn path(&mut self, robot: &str) -> &mut DrivenPath {
-        if !self.paths.contains_key(robot) {
-            self.paths.insert(robot.to_owned(), DrivenPath::default());
-        }
-        self.paths.entry(robot.to_owned()).or_default()
-    }
-
     /// Sets the goal of the robots that the component coordinates.
     pub(super) fn set_goal(&mut self, component: &str, goal: Point) {
-        self.goals.insert(composite_of(component).to_owned(), goal);
-        let is_only = self.paths.len() == 1;
-        for (robot, path) in &mut self.paths {
-            path.goal = nearest(&self.goals, robot, is_only).copied();
-        }
+        set(&mut self.goals, component, goal);
     }
 
     /// Sets the true position of the robots that the component simulates.
     pub(super) fn set_true_position(&mut self, component: &str, position: Point) {
-        self.true_positions
-            .insert(composite_of(component).to_owned(), position);
-        let is_only = self.paths.len() == 1;
-        for (robot, path) in &mut self.paths {
-            path.set_true_position(nearest(&self.true_positions, robot, is_only).copied());
-        }
+        set(&mut self.true_positions, component, position);
     }
 
     /// Sets the control state of a coordinator.
@@ -141,6 +146,17 @@ fn composite_of(component: &str) -> &str {
     component.rsplit_once('/').map_or("", |(outer, _)| outer)
 }
 
+/// Sets the point of a component's composite.
+fn set(points: &mut BTreeMap<String, Point>, component: &str, to: Point) {
+    let composite = composite_of(component);
+    match points.get_mut(composite) {
+        Some(point) => *point = to,
+        None => {
+            points.insert(composite.to_owned(), to);
+        }
+    }
+}
+
 /// The entry whose composite shares the most with the robot's; the first of several. Of several robots, each has only
 /// entries that share something with it, or that are outside all nested composites.
 fn nearest<'m, T>(
@@ -148,18 +164,24 @@ fn nearest<'m, T>(
     robot: &str,
     is_only: bool,
 ) -> Option<&'m T> {
-    let shared = |composite: &str| {
-        let pairs = composite.split('/').zip(robot.split('/'));
-        pairs.take_while(|(one, other)| one == other).count()
-    };
-    let is_related = |composite: &str| {
-        is_only || composite.is_empty() || robot.is_empty() || shared(composite) > 0
-    };
-    // the last maximum in reverse order is the first one
-    let entries = by_composite.iter().rev();
-    let related = entries.filter(|(composite, _)| is_related(composite));
-    let nearest = related.max_by_key(|(composite, _)| shared(composite));
-    nearest.map(|(_, value)| value)
+    let mut shared = Some(robot);
+    while let Some(composite) = shared {
+        let within = format!("{composite}/");
+        let nested = || {
+            let (name, value) = by_composite.range(within.clone()..).next()?;
+            name.starts_with(&within).then_some(value)
+        };
+        let found = by_composite.get(composite).or_else(nested);
+        if found.is_some() {
+            return found;
+        }
+        shared = composite.rsplit_once('/').map(|(outer, _)| outer);
+    }
+    if is_only || robot.is_empty() {
+        by_composite.values().next()
+    } else {
+        by_composite.get("")
+    }
 }
 
 #[cfg(test)]
@@ -193,13 +215,13 @@ mod tests {
         let all: Vec<_> = robots.all().collect();
         assert_eq!((all[0].name, all[1].name), ("Left", "Right/base"));
         assert_eq!((all[0].path.driven_m, all[1].path.driven_m), (10.0, 20.0));
-        assert_eq!(all[0].path.to_goal_m(), Some(1.0));
-        assert_eq!(all[1].path.to_goal_m(), Some(5.0));
-        assert_eq!(all[0].path.true_to_goal_m(), Some(2.0));
-        assert_eq!(all[1].path.true_to_goal_m(), None);
+        assert_eq!(all[0].to_goal_m(), Some(1.0));
+        assert_eq!(all[1].to_goal_m(), Some(5.0));
+        assert_eq!(all[0].true_to_goal_m(), Some(2.0));
+        assert_eq!(all[1].true_to_goal_m(), None);
         assert_eq!(all[0].control_state, Some("ARRIVED"));
         assert_eq!(all[1].control_state, None);
-        assert_eq!(robots.only_path(), None);
+        assert_eq!(robots.only(), None);
 
         // a second coordinator of a robot
         robots.set_control_state("Left/Supervisor", "NORMAL");
@@ -215,8 +237,8 @@ mod tests {
         robots.set_goal("Coordinator", at(3.0));
         robots.set_control_state("Coordinator", "FOLLOWING");
         robots.moved("base/Driver", Time::ZERO, at(1.0));
-        let path = robots.only_path().unwrap();
-        assert_eq!(path.to_goal_m(), Some(2.0));
+        let robot = robots.only().unwrap();
+        assert_eq!(robot.to_goal_m(), Some(2.0));
         let state = robots
             .all()
             .next()

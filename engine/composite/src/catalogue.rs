@@ -111,11 +111,12 @@ pub trait Catalogue {
     /// Returns the factory of the component; `None` if the executable does not contain it.
     fn factory(&self, component: &str) -> Option<ComponentFactory>;
 
-    /// Returns the ports, services, references and properties that the component declares; `None` if it is unknown.
-    fn declaration(&self, component: &str) -> Option<Declaration> {
+    /// Returns the ports, services, references and properties that the component declares; `None` if it is unknown. A composite asks
+    /// once for each instance and each wire, so a catalogue whose components are costly to create keeps it.
+    fn declaration(&self, component: &str) -> Option<Arc<Declaration>> {
         let mut scratch = Interface::new();
         self.factory(component)?(&mut scratch);
-        Some(scratch.declaration().clone())
+        Some(Arc::new(scratch.declaration().clone()))
     }
 
     /// Returns the text of the component's protocol: a specification of what it sends, depending on what it receives.

@@ -4,6 +4,8 @@
 //! An operation with an argument and no result writes an input of the target, one with a result and no argument reads an
 //! output. The types determine the port; of several ports, the one with the name of the operation is taken.
 
+use std::sync::Arc;
+
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
@@ -22,7 +24,7 @@ use crate::model::{
 pub(crate) fn complete(
     composite: &mut Composite,
     catalogue: &dyn Catalogue,
-    declared: &dyn Fn(&Component) -> Option<Declaration>,
+    declared: &dyn Fn(&Component) -> Option<Arc<Declaration>>,
     report: &mut Report,
 ) {
     let mut discovered: Vec<(usize, Vec<ProxyEntry>, Vec<ListLength>)> = Vec::new();
@@ -71,7 +73,7 @@ struct TargetPort {
 fn ports(
     target: &Component,
     catalogue: &dyn Catalogue,
-    declared: &dyn Fn(&Component) -> Option<Declaration>,
+    declared: &dyn Fn(&Component) -> Option<Arc<Declaration>>,
 ) -> Option<Vec<TargetPort>> {
     let mut ports: Vec<TargetPort> = Vec::new();
     let declaration = declared(target);
@@ -80,14 +82,14 @@ fn ports(
         return None;
     }
     if let Some(declaration) = declaration {
-        let inputs = declaration.inputs.into_iter();
-        let outputs = declaration.outputs.into_iter();
+        let inputs = declaration.inputs.iter();
+        let outputs = declaration.outputs.iter();
         let declared = inputs.map(|port| (ProxyMode::Oneway, port));
         let declared = declared.chain(outputs.map(|port| (ProxyMode::Last, port)));
         for (mode, port) in declared {
             ports.push(TargetPort {
-                message: known(port.schema, catalogue)?,
-                name: port.name,
+                message: known(port.schema.clone(), catalogue)?,
+                name: port.name.clone(),
                 mode,
             });
         }

@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use asmotion_component::Declaration;
 use asmotion_component::declaration::OperationDeclaration;
@@ -62,6 +63,8 @@ pub struct Member {
     ros: BTreeMap<String, Rc<dyn RosMessages>>,
     /// Those of them some of whose definitions are wrong, which has been reported.
     wrong_ros: BTreeSet<String>,
+    /// Positions of the components by name; of several with one name, that of the first.
+    positions: BTreeMap<String, usize>,
     /// Entries of tables of names that could not be read: the key of the table, and the name.
     unread: Vec<(&'static str, String)>,
 }
@@ -254,6 +257,11 @@ impl Family {
 }
 
 impl Member {
+    /// Returns the component of this name.
+    pub(crate) fn component(&self, name: &str) -> Option<&Component> {
+        self.composite.components.get(*self.positions.get(name)?)
+    }
+
     /// Returns the resolved path of a file named in this composite.
     pub fn path(&self, file: &str) -> Option<&str> {
         self.paths.get(file).map(String::as_str)
@@ -290,7 +298,7 @@ impl Member {
         &self,
         component: &Component,
         catalogue: &dyn Catalogue,
-    ) -> Option<Declaration> {
+    ) -> Option<Arc<Declaration>> {
         declaration(component, &self.programs, catalogue)
     }
 }
@@ -300,12 +308,12 @@ fn declaration(
     component: &Component,
     programs: &BTreeMap<String, ProgramAnswer>,
     catalogue: &dyn Catalogue,
-) -> Option<Declaration> {
+) -> Option<Arc<Declaration>> {
     match component.implementation.as_ref()? {
         Implementation::Rust(name) => catalogue.declaration(name),
         Implementation::Process { .. } | Implementation::Builtin { .. } => {
             let program = programs.get(&component.name.value)?.as_ref().ok()?;
-            Some(program.declaration.clone())
+            Some(Arc::new(program.declaration.clone()))
         }
         Implementation::Asm { .. }
         | Implementation::Composite(_)
@@ -427,6 +435,11 @@ impl Visit<'_, '_> {
         services.resolve(&mut composite, self.report);
         let promoted = services.promoted_by(&composite);
         self.promoted.insert(path.to_owned(), promoted);
+        let mut positions = BTreeMap::new();
+        for (position, component) in composite.components.iter().enumerate() {
+            let name = component.name.value.clone();
+            positions.entry(name).or_insert(position);
+        }
         self.members.insert(
             path.to_owned(),
             Member {
@@ -436,6 +449,7 @@ impl Visit<'_, '_> {
                 elsewhere,
                 ros,
                 wrong_ros,
+                positions,
                 unread,
             },
         );
@@ -666,7 +680,7 @@ impl Visit<'_, '_> {
         &mut self,
         path: &str,
         at: Option<Span>,
-    ) -> Option<(asmotion_diagnostics::FileId, std::sync::Arc<str>)> {
+    ) -> Option<(asmotion_diagnostics::FileId, Arc<str>)> {
         match self.context.loader.read(path) {
             Ok(text) => Some((self.sources.add(path, text.clone()), text)),
             Err(error) => {

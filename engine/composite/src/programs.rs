@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_component::declaration::{Declaration, OperationDeclaration};
@@ -174,7 +175,7 @@ impl Catalogue for ExtendedCatalogue<'_> {
         self.base.factory(component)
     }
 
-    fn declaration(&self, component: &str) -> Option<Declaration> {
+    fn declaration(&self, component: &str) -> Option<Arc<Declaration>> {
         self.base.declaration(component)
     }
 

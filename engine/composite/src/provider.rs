@@ -2,6 +2,7 @@
 //! interface.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use asmotion_component::Declaration;
 use asmotion_diagnostics::Report;
@@ -24,7 +25,7 @@ pub(crate) struct ServiceScope<'s> {
     /// Returns the services that a nested composite promotes, by its file as written.
     pub promoted: &'s dyn Fn(&str) -> NamedInterfaces,
     /// Returns the declaration of a component; `None` if it is not known.
-    pub declared: &'s dyn Fn(&Component) -> Option<Declaration>,
+    pub declared: &'s dyn Fn(&Component) -> Option<Arc<Declaration>>,
 }
 
 /// A service that a component of the composite provides.
@@ -225,8 +226,8 @@ impl ServiceScope<'_> {
                 | Implementation::Builtin { .. },
             ) => {
                 let declared = (self.declared)(component);
-                let declared = declared.into_iter().flat_map(|it| it.services);
-                services.extend(declared.map(|it| (it.name, it.interface)));
+                let declared = declared.iter().flat_map(|it| &it.services);
+                services.extend(declared.map(|it| (it.name.clone(), it.interface.clone())));
             }
             Some(Implementation::Composite(file)) => services.extend((self.promoted)(file)),
             Some(

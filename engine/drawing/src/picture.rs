@@ -226,14 +226,20 @@ impl<'d> PictureBuilder<'d> {
     /// Returns whether a port is connected or promoted.
     fn is_used(&self, component: &str, port: &str) -> bool {
         let is = |end: &End| end.component == component && end.name == port;
-        let is_end = |terminal: &Terminal| matches!(terminal, Terminal::Port(end) if is(end));
         let plan = self.plan;
+        let terminal = Terminal::Port(End {
+            component: component.to_owned(),
+            name: port.to_owned(),
+        });
+        let (from, to) = (
+            plan.connections.from_end(&terminal),
+            plan.connections.to_end(&terminal),
+        );
         let topics = plan.topics.iter();
         let mut ends = topics.flat_map(|it| it.publishers.iter().chain(&it.subscribers));
-        let mut connections = plan.connections.iter();
         let inside = format!("{component}.{port}");
         ends.any(is)
-            || connections.any(|it| is_end(&it.from) || is_end(&it.to))
+            || from.chain(to).next().is_some()
             || plan.promoted.iter().any(|it| it.inside == inside)
     }
 

@@ -127,11 +127,12 @@ impl Plan {
 
     /// Returns the synchronisation between a reader of a topic and its writers.
     fn lock_of(&self, topic: &Topic, reader: &End) -> Lock {
-        let is_it = |it: &&Connection| {
-            matches!(&it.from, Terminal::Topic(name) if *name == topic.name)
-                && matches!(&it.to, Terminal::Port(end) if end == reader)
-        };
-        let connection = self.connections.iter().find(is_it);
+        let [from, to] = [
+            Terminal::Topic(topic.name.clone()),
+            Terminal::Port(reader.clone()),
+        ];
+        let mut connections = self.connections.to_end(&to);
+        let connection = connections.find(|it| it.from == from);
         connection.map_or_else(Lock::default, |it| it.policy.lock)
     }
 }

@@ -47,16 +47,15 @@ impl Plan {
     /// Returns the queue that the connections into a topic form together; `None` if there are none, or if one of them keeps only
     /// the newest message.
     pub fn topic_queue(&self, topic: &str) -> Option<InputQueue> {
-        let into =
-            |it: &&Connection| matches!(&it.to, Terminal::Topic(name) if name.as_str() == topic);
-        sum(self.connections.iter().filter(into).map(InputQueue::of))
+        let topic = Terminal::Topic(topic.to_owned());
+        sum(self.connections.to_end(&topic).map(InputQueue::of))
     }
 
     /// Returns the queue of an input port; `None` if no size is written for one of its connections, or if it keeps only the
     /// newest message.
     pub fn input_queue(&self, port: &End) -> Option<InputQueue> {
-        let to = |it: &&Connection| it.to == Terminal::Port(port.clone());
-        let connections: Vec<&Connection> = self.connections.iter().filter(to).collect();
+        let to = Terminal::Port(port.clone());
+        let connections: Vec<&Connection> = self.connections.to_end(&to).collect();
         let is_of_input = |it: &&&Connection| it.policy.buffer == Sharing::PerInput;
         let common = connections.iter().filter(is_of_input);
         let common = common

@@ -8,7 +8,8 @@ use asmotion_datum::Schema;
 
 use crate::component::Component;
 use crate::component_list::ComponentList;
-use crate::joint::{Connection, Promoted, Topic};
+use crate::connection_list::ConnectionList;
+use crate::joint::{Promoted, Topic};
 pub use asmotion_composite::address::Endpoint;
 pub use asmotion_composite::end::{End, Terminal};
 pub use asmotion_composite::model::{
@@ -45,7 +46,7 @@ pub struct Plan {
     /// Topics in order of their names.
     pub topics: Vec<Topic>,
     /// Connections, one per pair of ends.
-    pub connections: Vec<Connection>,
+    pub connections: ConnectionList,
     /// Wires of all composites.
     pub wires: Vec<Wire>,
     /// Elements visible outside the system.

@@ -147,13 +147,13 @@ impl<'a> EnvironmentWriter<'a> {
     /// is written for the topics that it subscribes to. `None` if several connections keep a message each.
     fn unwritten_queue(&self, port: &End) -> Option<InputQueue> {
         let connections = &self.plan.connections;
-        let connected = |to: Terminal| connections.iter().filter(|it| it.to == to).count();
-        let size = match connected(Terminal::Port(port.clone())) {
+        let connected = |to: &Terminal| connections.to_end(to).count();
+        let size = match connected(&Terminal::Port(port.clone())) {
             0 => {
                 let mut topics = self.plan.topics.iter();
                 let is_written = topics.any(|topic| {
                     topic.subscribers.contains(port)
-                        && connected(Terminal::Topic(topic.name.clone())) > 0
+                        && connected(&Terminal::Topic(topic.name.clone())) > 0
                 });
                 (!is_written).then_some(UNWRITTEN_QUEUE)
             }

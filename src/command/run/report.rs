@@ -11,7 +11,7 @@ use asmotion_runtime::Event;
 use serde_json::json;
 
 use crate::mission::{MissionEnd, MissionOutcome, RecordingResult, StalledCoordinator};
-use crate::story::{DrivenPath, EventCounts, RobotSummary, Summary};
+use crate::story::{EventCounts, RobotSummary, Summary};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 
 pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
@@ -125,13 +125,14 @@ pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Valu
 
 pub(super) fn summary_json(end: &MissionEnd) -> serde_json::Value {
     let summary = &end.summary;
-    let path = summary.robots.only_path();
+    let robot = summary.robots.only();
+    let robot = robot.as_ref();
     json!({
         "type": "summary", "v": 1, "outcome": end.outcome.name(),
         "time_s": end.time.as_secs_f64(), "wall_s": end.wall.as_secs_f64(),
         "steps": summary.steps, "transitions": summary.transitions,
-        "driven_m": path.map(|way| way.driven_m), "to_goal_m": path.and_then(DrivenPath::to_goal_m),
-        "true_to_goal_m": path.and_then(DrivenPath::true_to_goal_m),
+        "driven_m": robot.map(|it| it.path.driven_m), "to_goal_m": robot.and_then(RobotSummary::to_goal_m),
+        "true_to_goal_m": robot.and_then(RobotSummary::true_to_goal_m),
         "failed_calls": summary.failed_calls, "control_state": summary.control_state(),
         "control_states": control_states_json(summary),
         "heard": counts_json(&summary.received), "calls": counts_json(&summary.calls), "faults": summary.faults,
@@ -161,8 +162,8 @@ fn counts_json(counts: &EventCounts) -> Vec<serde_json::Value> {
 fn robot_json(robot: &RobotSummary<'_>) -> serde_json::Value {
     json!({
         "name": robot.name, "control_state": robot.control_state, "cause": robot.cause,
-        "driven_m": robot.path.driven_m, "to_goal_m": robot.path.to_goal_m(),
-        "true_to_goal_m": robot.path.true_to_goal_m(),
+        "driven_m": robot.path.driven_m, "to_goal_m": robot.to_goal_m(),
+        "true_to_goal_m": robot.true_to_goal_m(),
     })
 }
 
@@ -225,12 +226,12 @@ fn circumstances(end: &MissionEnd) -> String {
 }
 
 /// The driven distance, and the distances to the goal.
-fn driven(path: &DrivenPath) -> String {
-    let mut text = format!("{:.1} m", path.driven_m);
-    if let Some(metres) = path.to_goal_m() {
+fn driven(robot: &RobotSummary<'_>) -> String {
+    let mut text = format!("{:.1} m", robot.path.driven_m);
+    if let Some(metres) = robot.to_goal_m() {
         text += &format!(", {metres:.2} m from the goal by odometry");
     }
-    if let Some(metres) = path.true_to_goal_m() {
+    if let Some(metres) = robot.true_to_goal_m() {
         text += &format!(", {metres:.2} m in truth (simulator)");
     }
     text
@@ -258,24 +259,19 @@ pub(super) fn print_summary(end: &MissionEnd, terminal: &mut TerminalOutput) {
         end.outcome.name(),
         circumstances(end)
     ));
-    match summary.robots.only_path() {
-        Some(path) => terminal.result(format_args!("  driven     {}", driven(path))),
+    match summary.robots.only() {
+        Some(robot) => terminal.result(format_args!("  driven     {}", driven(&robot))),
         None => {
-            for RobotSummary {
-                name,
-                path,
-                control_state,
-                cause,
-            } in summary.robots.all()
-            {
-                let is_elsewhere = path.to_goal_m().is_some_and(|it| it > AT_GOAL_M);
-                let cause = match cause {
+            for robot in summary.robots.all() {
+                let is_elsewhere = robot.to_goal_m().is_some_and(|it| it > AT_GOAL_M);
+                let cause = match robot.cause {
                     cause if is_elsewhere && !cause.is_empty() => format!(" ({cause})"),
                     _ => String::new(),
                 };
-                let state =
-                    control_state.map_or_else(String::new, |state| format!("{state}{cause}, "));
-                terminal.result(format_args!("  {name:<9}  {state}driven {}", driven(path)));
+                let state = robot.control_state;
+                let state = state.map_or_else(String::new, |state| format!("{state}{cause}, "));
+                let (name, driven) = (robot.name, driven(&robot));
+                terminal.result(format_args!("  {name:<9}  {state}driven {driven}"));
             }
         }
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use asmotion_component::{Activity, ThreadUse};
 
 use asmotion_composite::model;
-use asmotion_plan::{Plan, Process, Terminal};
+use asmotion_plan::{Plan, Process};
 
 /// Returns the activity of a component.
 pub(crate) fn of(component: &asmotion_plan::Component, plan: &Plan) -> Activity {
@@ -35,13 +35,8 @@ pub(crate) fn of(component: &asmotion_plan::Component, plan: &Plan) -> Activity 
 
 /// Returns the shortest polling interval of the connections to an event-driven component, in milliseconds.
 fn polls(component: &asmotion_plan::Component, plan: &Plan) -> Option<u64> {
-    let into = |to: &Terminal| match to {
-        Terminal::Port(end) => end.component == component.name,
-        Terminal::Topic(_) | Terminal::Mqueue(_) => false,
-    };
-    let connections = plan.connections.iter().filter(|connection| {
-        connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
-    });
+    let connections = plan.connections.to_component(&component.name);
+    let connections = connections.filter(|it| it.policy.delivery == model::Delivery::Poll);
     connections
         .filter_map(|connection| connection.policy.poll_ms)
         .min()

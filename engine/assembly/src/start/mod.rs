@@ -258,8 +258,8 @@ impl Building<'_> {
 
     /// Returns whether a connection of its own joins two terminals; its policy is then that of the subscription.
     fn is_connected(&self, from: &Terminal, to: &Terminal) -> bool {
-        let mut connections = self.plan.connections.iter();
-        connections.any(|it| it.from == *from && it.to == *to)
+        let mut connections = self.plan.connections.from_end(from);
+        connections.any(|it| it.to == *to)
     }
 
     /// Makes the services of a component available outside this part.

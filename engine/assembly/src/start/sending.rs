@@ -21,17 +21,13 @@ pub(crate) fn of_topics<'p>(
         publishers.any(|end| part.has(&end.component))
     });
     written.map(|topic| {
-        let joins = |terminal: &Terminal| match terminal {
-            Terminal::Topic(name) => *name == topic.name,
-            Terminal::Port(_) | Terminal::Mqueue(_) => false,
-        };
-        let connections = plan.connections.iter();
-        let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
+        let end = Terminal::Topic(topic.name.clone());
+        let read = plan.connections.from_end(&end);
+        let connections = plan.connections.to_end(&end).chain(read);
         let publisher = topic.publishers.iter().find(|end| part.has(&end.component));
         let limits = topic.subscribers.iter().map(|reader| {
-            let mut read = connections.clone();
-            let read = read.find(|it| it.to == Terminal::Port(reader.clone()));
-            read.and_then(age_limit)
+            let mut read = plan.connections.to_end(&Terminal::Port(reader.clone()));
+            read.find(|it| it.from == end).and_then(age_limit)
         });
         let sending = of_connections(plan, connections.clone(), publisher).max_age(longest(limits));
         (topic.name.as_str(), as_written(&topic.sending, sending))
@@ -40,10 +36,9 @@ pub(crate) fn of_topics<'p>(
 
 /// Returns the options of a port with direct connections to other parts.
 pub(crate) fn of_port(plan: &Plan, port: &End) -> PublishOptions {
-    let from = plan.connections.iter().filter(|connection| {
-        let to_port = matches!(connection.to, Terminal::Port(_));
-        to_port && connection.from == Terminal::Port(port.clone())
-    });
+    let end = Terminal::Port(port.clone());
+    let from = plan.connections.from_end(&end);
+    let from = from.filter(|connection| matches!(connection.to, Terminal::Port(_)));
     let limits = from.clone().map(age_limit);
     of_connections(plan, from, Some(port)).max_age(longest(limits))
 }

@@ -10,14 +10,16 @@ use super::codec;
 use super::scene::{CheckedComposite, nested, processes};
 use super::topic::{Role, Topics};
 use crate::finding::Findings;
-use crate::model::{End, Terminal, Transport, Wire};
+use crate::model::{Component, End, Terminal, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
     let Some(deploy) = &scene.composite.deploy else {
         return;
     };
+    let mut components = scene.parts.iter().map(|part| part.component);
     let mut across = Across {
         scene,
+        has_homes: components.any(|it| matches!(home(scene, it), Home::On(_))),
         processes: processes(deploy),
         report,
     };
@@ -64,8 +66,19 @@ impl std::fmt::Display for Home<'_> {
     }
 }
 
+/// Returns the broker of a component.
+fn home<'s>(scene: &CheckedComposite<'s>, component: &'s Component) -> Home<'s> {
+    match (nested(component), scene.composite.broker_of(component)) {
+        (Some(_), _) => Home::Nested,
+        (None, Some(broker)) => Home::On(&broker.value),
+        (None, None) => Home::Inside,
+    }
+}
+
 struct Across<'s, 'r> {
     scene: &'s CheckedComposite<'s>,
+    /// A component has a broker. If none has, all use the default broker of the run.
+    has_homes: bool,
     processes: BTreeMap<&'s str, &'s str>,
     report: &'r mut Report,
 }
@@ -77,20 +90,10 @@ impl<'s> Across<'s, '_> {
         (from != to).then(|| ((*from).to_owned(), (*to).to_owned()))
     }
 
-    /// Returns the broker of a component. If no component names a broker, all use the default broker of the run.
+    /// Returns the broker of a component; `None` if all use the default broker of the run.
     fn home(&self, name: &str) -> Option<Home<'s>> {
-        let mut homes = self.scene.parts.iter().map(|part| {
-            let component = part.component;
-            let home = match (nested(component), self.scene.composite.broker_of(component)) {
-                (Some(_), _) => Home::Nested,
-                (None, Some(broker)) => Home::On(&broker.value),
-                (None, None) => Home::Inside,
-            };
-            (component.name.value.as_str(), home)
-        });
-        let named = homes.clone().any(|(_, home)| matches!(home, Home::On(_)));
-        let (_, home) = homes.find(|(known, _)| *known == name)?;
-        named.then_some(home)
+        let part = self.scene.parts.named(name)?;
+        self.has_homes.then(|| home(self.scene, part.component))
     }
 
     fn wire(&mut self, wire: &Wire) {

@@ -52,7 +52,7 @@ pub(crate) fn check(scene: &mut CheckedComposite<'_>, report: &mut Report) {
         }
     }
     for (index, face) in faces {
-        if let Some(part) = scene.parts.get_mut(index) {
+        if let Some(part) = scene.parts.at_mut(index) {
             part.face = face;
         }
     }

@@ -35,8 +35,7 @@ pub(super) fn topics(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut
 
 /// Checks a connection between two processes, which uses a broker.
 pub(super) fn connection(scene: &CheckedComposite<'_>, from: &End, to: &End, report: &mut Report) {
-    let mut parts = scene.parts.iter();
-    let part = parts.find(|part| part.component.name.value == from.component.value);
+    let part = scene.parts.named(&from.component);
     let port = part.and_then(|part| part.face.port(&from.name.value, PortDirection::Out));
     let kind = port.and_then(|(_, port)| port.kind.as_ref());
     let broker = broker(scene, Some(&from.component.value));
@@ -57,7 +56,7 @@ fn broker<'s>(
     if composite.brokers.iter().all(|it| it.codec.is_none()) {
         return None;
     }
-    let component = component.and_then(|name| composite.component(name));
+    let component = component.and_then(|name| scene.member.component(name));
     let home = component.and_then(|component| composite.broker_of(component));
     let is_home = |it: &&Broker| home.is_none_or(|home| home.value == it.name.value);
     let codec = |it: &'s Broker| Some((it, it.codec.as_ref()?));

@@ -22,6 +22,7 @@ use asmotion_diagnostics::{Report, Span};
 use super::declared::declared;
 use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
 use super::operations::operations;
+use super::part_list::PartList;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::schedule;
 use crate::at::At;
@@ -37,10 +38,10 @@ pub(crate) fn parts<'s>(
     scene: &CheckedComposite<'s>,
     nested: &BTreeMap<String, Rc<Endpoints>>,
     report: &mut Report,
-) -> Vec<CheckedComponent<'s>> {
+) -> PartList<'s> {
     let mut ids: BTreeMap<String, Span> = BTreeMap::new();
     types(scene, report);
-    let mut parts = Vec::new();
+    let mut parts = PartList::default();
     for component in &scene.composite.components {
         if !scene.active(&component.profiles) {
             continue;

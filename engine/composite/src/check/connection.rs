@@ -10,7 +10,7 @@ use crate::codes::c046::OpenInput;
 use crate::codes::c047::UnsyncAcrossThreads;
 use crate::codes::c049::DuplicateConnection;
 use crate::codes::c058::TooManyThreads;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_diagnostics::{Report, Span};
 
@@ -48,7 +48,7 @@ pub(crate) fn check(scene: &CheckedComposite<'_>, report: &mut Report) -> Vec<To
         {
             drivers
                 .elsewhere
-                .push((end.component.value.clone(), end.name.value.clone()));
+                .insert((end.component.value.clone(), end.name.value.clone()));
         }
     }
     for part in &scene.parts {
@@ -64,7 +64,7 @@ struct Drivers {
     inside: BTreeMap<(String, String), (Span, ConnectionType)>,
     /// Ports written from outside the composite or by a misspelled component; exempt from the check for missing
     /// writers.
-    elsewhere: Vec<(String, String)>,
+    elsewhere: BTreeSet<(String, String)>,
 }
 
 fn connection(
@@ -294,8 +294,7 @@ fn drive(
     let at = source.terminal.span();
     let subscribed = scene
         .parts
-        .iter()
-        .find(|part| part.component.name.value == to.component.value)
+        .named(&to.component)
         .and_then(|part| part.face.port(&to.name, PortDirection::In))
         .filter(|(_, port)| port.topic.is_some())
         .and_then(|(_, port)| port.name.at);

@@ -79,7 +79,7 @@ fn priority(scene: &CheckedComposite<'_>, process: &Process, report: &mut Report
     let class = process.scheduler.as_ref().map(|it| it.value);
     let is_used = class.is_some_and(schedule::has_priorities)
         || process.components.iter().any(|name| {
-            let component = scene.composite.component(name);
+            let component = scene.member.component(name);
             component.is_some_and(|it| takes_priority(scene.family, scene.member, it))
         });
     if !is_used {
@@ -112,7 +112,7 @@ fn place<'s>(
     report: &mut Report,
 ) {
     for name in &process.components {
-        if scene.composite.component(name).is_none() {
+        if scene.member.component(name).is_none() {
             scene.unknown_component(name, report);
             continue;
         }

@@ -11,18 +11,14 @@ pub(crate) fn meant<'s>(
     end: &End,
     members: impl Fn(&'s CheckedComponent<'_>) -> Vec<&'s str>,
 ) -> Option<(String, String)> {
-    let of_name = |name: &str| {
-        let mut parts = scene.parts.iter();
-        parts.find(|part| part.component.name.value == name)
-    };
     let component = &end.component.value;
     let known = scene
         .parts
         .iter()
         .map(|it| it.component.name.value.as_str());
-    let part = match of_name(component) {
+    let part = match scene.parts.named(component) {
         Some(part) => part,
-        None => of_name(&nearest_name(component, known)?.name)?,
+        None => scene.parts.named(&nearest_name(component, known)?.name)?,
     };
     let members = members(part);
     let name = end.name.value.as_str();

@@ -21,6 +21,7 @@ mod gateway;
 mod literal;
 mod meant;
 mod operations;
+mod part_list;
 mod policy;
 mod profile;
 mod promote;
@@ -46,6 +47,7 @@ use asmotion_diagnostics::Report;
 pub use self::binding::chosen_field;
 pub use self::component::topic;
 use self::endpoints::Endpoints;
+use self::part_list::PartList;
 pub use self::profile::{profiles, takes_part};
 use self::scene::CheckedComposite;
 pub use self::scene::nested;
@@ -120,7 +122,7 @@ impl<'c> Checker<'c> {
             profile: self.profile,
             types,
             catalogue: self.catalogue,
-            parts: Vec::new(),
+            parts: PartList::default(),
         };
         let report = &mut *self.report;
         endpoint::check(&scene, report);
@@ -138,7 +140,7 @@ impl<'c> Checker<'c> {
         protocol::check(&scene, report);
         gateway::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
-        let parts = scene.parts.into_iter();
+        let parts = scene.parts.into_parts().into_iter();
         let faces = parts
             .map(|part| (part.component.name.value.clone(), part.face))
             .collect();

@@ -79,7 +79,7 @@ fn polls(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Rep
         let Terminal::Port(end) = terminal else {
             return false;
         };
-        let component = scene.composite.component(&end.component);
+        let component = scene.member.component(&end.component);
         component.is_some_and(CheckedComposite::has_pace)
     };
     if !connection.to.is_empty() && connection.to.iter().all(has_pace) {
@@ -127,7 +127,7 @@ fn held(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Repo
         let Terminal::Port(end) = terminal else {
             return false;
         };
-        let component = scene.composite.component(&end.component);
+        let component = scene.member.component(&end.component);
         let made_of = component.and_then(|it| it.implementation.as_ref());
         matches!(made_of, Some(Implementation::Asm { .. }))
     };
@@ -147,8 +147,7 @@ fn held(scene: &CheckedComposite<'_>, connection: &Connection, report: &mut Repo
 /// known.
 fn converts(scene: &CheckedComposite<'_>, connection: &Connection) -> bool {
     let is_open = |end: &End, way: PortDirection| {
-        let mut parts = scene.parts.iter();
-        let part = parts.find(|part| part.component.name.value == end.component.value);
+        let part = scene.parts.named(&end.component);
         let kind = part.and_then(|part| part.face.port(&end.name, way)?.1.kind.as_ref());
         let schema = kind.and_then(|kind| scene.types.schema(&kind.text));
         schema.is_none_or(|schema| schema.shape == Shape::Any)

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use super::endpoints::{
     EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, find, nearest_service,
 };
+use super::part_list::PartList;
 use super::profile::takes_part;
 use crate::at::At;
 use crate::catalogue::{Catalogue, RosMessages};
@@ -35,7 +36,7 @@ pub(crate) struct CheckedComposite<'s> {
     pub types: &'s Types<'s>,
     pub catalogue: &'s dyn Catalogue,
     /// Active components in file order.
-    pub parts: Vec<CheckedComponent<'s>>,
+    pub parts: PartList<'s>,
 }
 
 /// An active component.
@@ -103,11 +104,8 @@ impl<'s> CheckedComposite<'s> {
         name: &At<String>,
         report: &mut Report,
     ) -> Option<&CheckedComponent<'s>> {
-        let found = self
-            .parts
-            .iter()
-            .find(|part| part.component.name.value == name.value);
-        if found.is_none() && self.composite.component(name).is_none() {
+        let found = self.parts.named(name);
+        if found.is_none() && self.member.component(name).is_none() {
             self.unknown_component(name, report);
         }
         found
@@ -115,8 +113,7 @@ impl<'s> CheckedComposite<'s> {
 
     /// Returns whether a component is active and its ports are not known, as for one of another robot that was not asked.
     pub(crate) fn has_unknown_ports(&self, name: &At<String>) -> bool {
-        let mut parts = self.parts.iter();
-        parts.any(|part| part.component.name.value == name.value && part.face.blank)
+        self.parts.named(name).is_some_and(|part| part.face.blank)
     }
 
     /// Reports an unknown component name.

@@ -23,7 +23,7 @@ pub(crate) fn masters<'s>(
     name: &'s str,
 ) -> impl Iterator<Item = &'s str> {
     let master = |name: &&str| {
-        let component = scene.composite.component(name)?;
+        let component = scene.member.component(name)?;
         let master = component.pace()?.master.as_ref()?;
         Some(master.value.as_str())
     };
@@ -57,7 +57,7 @@ fn pace(scene: &CheckedComposite<'_>, component: &Component, report: &mut Report
     }
     if let Some(master) = &pace.master {
         slave(pace, report);
-        if scene.composite.component(master).is_none() {
+        if scene.member.component(master).is_none() {
             scene.unknown_component(master, report);
         } else if masters(scene, &component.name.value).any(|one| one == component.name.value) {
             report.found(MasterCycle {

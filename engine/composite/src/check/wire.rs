@@ -109,11 +109,8 @@ fn wire<'w>(
     let reference = found.map(|(_, reference)| reference);
     let mut answered = false;
     for end in &wire.services {
-        let absent = scene.composite.component(&end.component).is_some()
-            && !scene
-                .parts
-                .iter()
-                .any(|part| part.component.name.value == end.component.value);
+        let absent = scene.member.component(&end.component).is_some()
+            && scene.parts.named(&end.component).is_none();
         answered |= !absent;
         let Some((_, service)) = scene.service(end, report) else {
             continue;
@@ -176,8 +173,7 @@ fn short_timeout(scene: &CheckedComposite<'_>, wire: &Wire, report: &mut Report)
         return;
     };
     for end in &wire.services {
-        let mut parts = scene.parts.iter();
-        let provider = parts.find(|part| part.component.name.value == end.component.value);
+        let provider = scene.parts.named(&end.component);
         let pace = provider.and_then(|part| part.component.pace());
         let Some(period) = pace.and_then(|pace| pace.period_ms.as_ref()) else {
             continue;

@@ -5,7 +5,7 @@ use toml_edit::{Item, Table};
 use super::beside;
 use super::binding;
 use crate::component::{Component, Port, Service};
-use crate::plan::{Implementation, Pace, Plan, Terminal};
+use crate::plan::{End, Implementation, Pace, Plan, Terminal};
 use asmotion_composite::table::{Lines, WrittenTable, table};
 
 pub(super) fn component(component: &Component, plan: &Plan, root: &str) -> Table {
@@ -75,12 +75,17 @@ fn ports(component: &Component, plan: &Plan, keys: &mut Lines) {
         Implementation::Rust(_) | Implementation::Builtin { .. }
     ) || component.program.is_some();
     let joined = |port: &Port| {
-        let end = format!("{}.{}", component.name, port.name);
-        let is_end = |terminal: &Terminal| terminal.to_string() == end;
-        let mut connections = plan.connections.iter();
+        let end = End {
+            component: component.name.clone(),
+            name: port.name.clone(),
+        };
+        let (inside, end) = (end.to_string(), Terminal::Port(end));
+        let mut connections = plan.connections.from_end(&end);
+        let mut connections_to = plan.connections.to_end(&end);
         let mut promoted = plan.promoted.iter();
-        connections.any(|it| is_end(&it.from) || is_end(&it.to))
-            || promoted.any(|it| it.what == "port" && it.inside == end)
+        connections.next().is_some()
+            || connections_to.next().is_some()
+            || promoted.any(|it| it.what == "port" && it.inside == inside)
     };
     let listed = |ports: &[Port], on_topic: bool| {
         let mut listed = Lines::new();

@@ -1,6 +1,7 @@
 //! Warns of values that are published once and read in processes that may start later.
 
 use crate::codes::c157::ChangeLost;
+use crate::joint::Connection;
 use asmotion_composite::check;
 use asmotion_composite::finding::Findings;
 use asmotion_composite::model::binding::Effect;
@@ -61,25 +62,24 @@ fn change_lost(plan: &Plan, output: &End, at: Span) -> Option<ChangeLost> {
 
 /// The inputs that read an output, and whether they get its last message from before their start.
 fn readers<'p>(plan: &'p Plan, output: &'p End) -> impl Iterator<Item = (&'p End, bool)> {
-    let is_output = move |end: &Terminal| matches!(end, Terminal::Port(end) if end == output);
-    let direct = plan.connections.iter().filter_map(move |connection| {
-        match (&connection.to, is_output(&connection.from)) {
-            (Terminal::Port(reader), true) => Some((reader, connection.policy.init)),
-            (Terminal::Port(_), false) | (Terminal::Topic(_) | Terminal::Mqueue(_), _) => None,
-        }
+    let writer = Terminal::Port(output.clone());
+    let written: Vec<&Connection> = plan.connections.from_end(&writer).collect();
+    let direct = written.clone().into_iter();
+    let direct = direct.filter_map(|connection| match &connection.to {
+        Terminal::Port(reader) => Some((reader, connection.policy.init)),
+        Terminal::Topic(_) | Terminal::Mqueue(_) => None,
     });
     let topics = plan.topics.iter();
     let topics = topics.filter(move |topic| topic.publishers.contains(output));
     let by_topic = topics.flat_map(move |topic| {
-        let of_topic = |end: &Terminal| matches!(end, Terminal::Topic(name) if *name == topic.name);
+        let end = Terminal::Topic(topic.name.clone());
+        let mut written = written.iter();
+        let writes_init = written.any(|it| it.to == end && it.policy.init);
         topic.subscribers.iter().map(move |reader| {
-            let has_init = plan.connections.iter().any(|connection| {
-                let writes = is_output(&connection.from) && of_topic(&connection.to);
-                let reads = of_topic(&connection.from)
-                    && matches!(&connection.to, Terminal::Port(end) if end == reader);
-                connection.policy.init && (writes || reads)
-            });
-            (reader, has_init)
+            let reader_end = Terminal::Port(reader.clone());
+            let mut read = plan.connections.to_end(&reader_end);
+            let reads_init = read.any(|it| it.from == end && it.policy.init);
+            (reader, writes_init || reads_init)
         })
     });
     direct.chain(by_topic)

@@ -16,6 +16,7 @@ use asmotion_diagnostics::{Sources, Span};
 
 use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
 use crate::component_list::ComponentList;
+use crate::connection_list::ConnectionList;
 use crate::plan::{Plan, PropertyValues};
 use asmotion_composite::Context;
 use asmotion_composite::check::{self, Faces};
@@ -71,7 +72,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         bridges: Vec::new(),
         components: ComponentList::default(),
         topics: Vec::new(),
-        connections: Vec::new(),
+        connections: ConnectionList::default(),
         wires: Vec::new(),
         promoted: Vec::new(),
         processes: Vec::new(),

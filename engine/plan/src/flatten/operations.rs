@@ -1,5 +1,7 @@
 //! Compares the operations that a reference calls with those of the services that it is wired to.
 
+use std::sync::Arc;
+
 use asmotion_component::Declaration;
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_composite::finding::Findings;
@@ -64,9 +66,9 @@ impl Flattener<'_, '_> {
     fn caller(&self, end: &End) -> Option<WireEnd> {
         let component = self.plan.component(&end.component)?;
         let declared = self.declaration(component).and_then(|it| {
-            let mut references = it.references.into_iter();
+            let mut references = it.references.iter();
             let reference = references.find(|it| it.name == end.name)?;
-            Some(reference.operations)
+            Some(reference.operations.clone())
         });
         let mut wire_end = self.wire_end(&component.references, &end.name, declared)?;
         if !wire_end.are_declared {
@@ -84,8 +86,9 @@ impl Flattener<'_, '_> {
     fn provider(&self, end: &End) -> Option<WireEnd> {
         let component = self.plan.component(&end.component)?;
         let declared = self.declaration(component).and_then(|it| {
-            let mut services = it.services.into_iter();
-            Some(services.find(|it| it.name == end.name)?.operations)
+            let mut services = it.services.iter();
+            let service = services.find(|it| it.name == end.name)?;
+            Some(service.operations.clone())
         });
         self.wire_end(&component.services, &end.name, declared)
     }
@@ -106,12 +109,12 @@ impl Flattener<'_, '_> {
     }
 
     /// Returns the declaration of a component of the executable or of a program; `None` if it is not known.
-    fn declaration(&self, component: &Component) -> Option<Declaration> {
+    fn declaration(&self, component: &Component) -> Option<Arc<Declaration>> {
         if let Implementation::Rust(name) = &component.implementation {
             return self.parts.context.catalogue.declaration(name);
         }
         let program = component.program.as_ref()?;
-        Some(program.declaration.clone())
+        Some(Arc::new(program.declaration.clone()))
     }
 }
 

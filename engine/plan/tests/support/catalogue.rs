@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use asmotion_component::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
@@ -36,8 +37,8 @@ impl Catalogue for SmallBuild {
         None
     }
 
-    fn declaration(&self, component: &str) -> Option<Declaration> {
-        Some(match component {
+    fn declaration(&self, component: &str) -> Option<Arc<Declaration>> {
+        Some(Arc::new(match component {
             "nav::MapServer" => Declaration {
                 outputs: vec![port("map", "nav_msgs/OccupancyGrid")],
                 services: vec![service("maps", "nav/MapService")],
@@ -60,7 +61,7 @@ impl Catalogue for SmallBuild {
                 ],
                 ..Declaration::default()
             },
-            // calls `getMap` with another request, and an operation that nobody serves
+            // calls `getMap` with another request, and one that no service has
             "nav::Surveyor" => Declaration {
                 references: vec![ReferenceDeclaration {
                     operations: vec![
@@ -104,7 +105,7 @@ impl Catalogue for SmallBuild {
                 ..Declaration::default()
             },
             _ => return None,
-        })
+        }))
     }
 
     fn has(&self, builtin: BuiltinComponent) -> bool {

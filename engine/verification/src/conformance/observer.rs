@@ -227,8 +227,7 @@ impl Observation {
 
 /// The ports that write to an input port without a topic.
 fn connected(plan: &Plan, input: &End) -> Vec<End> {
-    let connections = plan.connections.iter();
-    let into = connections.filter(|it| it.to == Terminal::Port(input.clone()));
+    let into = plan.connections.to_end(&Terminal::Port(input.clone()));
     into.filter_map(|it| match &it.from {
         Terminal::Port(from) => Some(from.clone()),
         Terminal::Topic(_) | Terminal::Mqueue(_) => None,
