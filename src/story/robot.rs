@@ -231,6 +231,36 @@ mod tests {
         assert_eq!(state, Some("NORMAL"));
     }
 
+    /// `Left-2` is between `Left` and `Left/arm` in the order of texts.
+    #[test]
+    fn a_robot_has_what_shares_whole_names_with_it() {
+        let mut robots = Robots::default();
+        for (number, coordinator) in ["Left-2/C", "Left/arm/C", "Right/arm/C", "Right/base/C"]
+            .into_iter()
+            .enumerate()
+        {
+            robots.set_goal(coordinator, at(number as f64));
+        }
+        for driver in [
+            "Left/Driver",
+            "Left-2/Driver",
+            "Lef/Driver",
+            "Right/leg/Driver",
+        ] {
+            robots.moved(driver, Time::ZERO, at(0.0));
+        }
+        let goals = robots.all().map(|it| (it.name, it.to_goal_m()));
+        let expected = [
+            ("Lef", None),
+            ("Left", Some(1.0)),
+            ("Left-2", Some(0.0)),
+            ("Right/leg", Some(2.0)),
+        ];
+        let mut goals: Vec<_> = goals.collect();
+        goals.sort_by_key(|(name, _)| *name);
+        assert_eq!(goals, expected);
+    }
+
     #[test]
     fn a_robot_in_a_composite_of_its_own_has_the_goal_of_the_coordinator_outside() {
         let mut robots = Robots::default();

@@ -1,7 +1,7 @@
 //! The walls of a grid: the borders between occupied and other cells, in as few segments as possible.
 
 use crate::grid::{Grid, Occupancy};
-use crate::layout::GridLayout;
+use crate::layout::{Cell, GridLayout};
 use crate::pose::Point;
 use crate::scene::ObstacleScene;
 
@@ -9,9 +9,11 @@ impl ObstacleScene {
     /// Scene whose walls are the borders of a grid's occupied cells; map frame.
     pub fn around(grid: &Grid) -> Self {
         let layout = *grid.layout();
+        // beyond the grid, no cell is occupied
         let occupied = |column: i64, row: i64| {
-            let cell = Point::new(column as f64 + 0.5, row as f64 + 0.5);
-            let index = layout.cell_of(cell).and_then(|cell| layout.index(cell));
+            let (column, row) = (u32::try_from(column), u32::try_from(row));
+            let cell = column.ok().zip(row.ok());
+            let index = cell.and_then(|(column, row)| layout.index(Cell::new(column, row)));
             index.is_some_and(|index| Occupancy::of(grid.cells()[index]) == Occupancy::Occupied)
         };
         let (width, height) = (i64::from(layout.width()), i64::from(layout.height()));
@@ -53,7 +55,6 @@ fn runs(size: i64, border: impl Fn(i64) -> bool) -> impl Iterator<Item = (i64, i
 mod tests {
     use super::*;
     use crate::grid::{FREE, OCCUPIED};
-    use crate::layout::Cell;
     use crate::pose::{Pose, Vector};
 
     #[test]

@@ -394,6 +394,9 @@ impl WorldProperties {
                 "`walls` needs four numbers a wall: x1, y1, x2, y2",
             ));
         }
+        if more.is_empty() {
+            return Ok(plan);
+        }
         let more = more
             .iter()
             .map(|[x1, y1, x2, y2]| [Point::new(*x1, *y1), Point::new(*x2, *y2)]);
