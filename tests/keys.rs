@@ -224,8 +224,11 @@ impl Version {
     }
 }
 
+/// A version, and the way of looking at it.
+type Subject = (Version, String);
+
 /// Observations of versions. Most changes have the same version before them, which is observed once.
-struct Observed<T>(Mutex<BTreeMap<(Version, String), Arc<OnceLock<T>>>>);
+struct Observed<T>(Mutex<BTreeMap<Subject, Arc<OnceLock<T>>>>);
 
 impl<T: Clone> Observed<T> {
     fn new() -> Self {
@@ -234,8 +237,8 @@ impl<T: Clone> Observed<T> {
 
     /// Looks at a folder with a version, unless it has been looked at in this way.
     fn get(&self, version: &Version, way: String, look: impl FnOnce(&Path) -> T) -> T {
-        let entry = (version.clone(), way);
-        let known = Arc::clone(self.0.lock().unwrap().entry(entry).or_default());
+        let subject = (version.clone(), way);
+        let known = Arc::clone(self.0.lock().unwrap().entry(subject).or_default());
         let looked = known.get_or_init(|| look(version.folder().path()));
         looked.clone()
     }
