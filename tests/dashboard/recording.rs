@@ -123,8 +123,9 @@ impl Truth {
     }
 }
 
-/// Moves the line of time, as a hand does.
+/// Moves the line of time, as a hand does. The page adds it with the first frame that it draws after the recording has been received.
 fn seek(tab: &mut Tab, t: f64) {
+    tab.wait("document.querySelector('#moment') !== null");
     tab.eval(&format!(
         "(() => {{ const it = document.querySelector('#moment'); it.value = '{t}'; it.dispatchEvent(new Event('input')); }})()"
     ));
