@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use asmotion_diagnostics::{Report, Span};
 
 pub(crate) use self::properties::RangeProperties;
-use self::range::{ElementInstance, instances};
+use self::range::{ElementInstance, NodePattern, instances};
 use crate::at::At;
 use crate::codes::c009::{InvalidName, UnknownVariable};
 use crate::codes::c210::InvalidInstances;
@@ -104,7 +104,10 @@ impl Expansion<'_> {
                     .found(invalid_name(&key.value, key.span, variable));
                 continue;
             }
-            for instance in instances {
+            let Some(pattern) = instances.first().map(|it| NodePattern::new(&node, it)) else {
+                continue;
+            };
+            for instance in &instances {
                 let key = At::new(instance.text(&key.value), key.span);
                 if let Some(earlier) = known.insert(key.value.clone(), key.span) {
                     self.report.found(InvalidInstances {
@@ -115,7 +118,7 @@ impl Expansion<'_> {
                     });
                     break;
                 }
-                let node = instance.node(&node);
+                let node = instance.node(&pattern);
                 named.entries.push(Entry { key, node });
             }
         }
@@ -128,9 +131,11 @@ impl Expansion<'_> {
         let Some(instances) = instances else {
             return vec![node];
         };
-        if let [first, _, ..] = instances.as_slice()
-            && first.node(&node) == node
-        {
+        let Some(first) = instances.first() else {
+            return Vec::new();
+        };
+        let pattern = NodePattern::new(&node, first);
+        if instances.len() > 1 && pattern.is_fixed() {
             if let Some(unknown) = unknown_variable(&node, first) {
                 self.report.found(unknown);
                 return Vec::new();
@@ -147,7 +152,7 @@ impl Expansion<'_> {
             });
             return vec![node];
         }
-        instances.iter().map(|it| it.node(&node)).collect()
+        instances.iter().map(|it| it.node(&pattern)).collect()
     }
 
     /// Takes the key `for` from an element. Returns its instances, `None` if it has no such key, and the rest of the element.
@@ -225,7 +230,11 @@ impl<'n> ElementInstances<'n> {
         if let Branch::Table(table) = &mut element.value {
             table.entries.retain(|it| it.key.value != FOR);
         }
-        self.instances.iter().map(|it| it.node(&element)).collect()
+        let Some(first) = self.instances.first() else {
+            return Vec::new();
+        };
+        let pattern = NodePattern::new(&element, first);
+        self.instances.iter().map(|it| it.node(&pattern)).collect()
     }
 
     /// Returns the element with those instances whose index `keeps` accepts; `None` if there are none.

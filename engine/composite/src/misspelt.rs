@@ -88,7 +88,7 @@ fn correction(entry: &Entry, present: &[String], outline: &Outline) -> Option<(U
     {
         let instead = format!("implementation = {{ {meant} = \"{value}\" }}");
         let table = Table {
-            entries: vec![renamed(entry, meant)],
+            entries: [renamed(entry, meant)].into_iter().collect(),
         };
         let mut entry = renamed(entry, "implementation");
         entry.node.value = Branch::Table(table);

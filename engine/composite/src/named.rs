@@ -4,7 +4,7 @@ use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Span;
 
 /// A name and the location of its declaration, if in a source file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct NamedAt {
     /// Name as written or declared.
     pub text: String,
@@ -13,7 +13,7 @@ pub struct NamedAt {
 }
 
 /// A message type or interface and its source location, if in a source file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TypeAt {
     /// Type name as written or declared.
     pub text: String,

@@ -1,5 +1,8 @@
 //! TOML syntax tree with the source location of every key and value.
 
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
 use asmotion_diagnostics::{FileId, Span};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -38,7 +41,71 @@ pub enum Branch {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Entries in file order; keys are unique.
-    pub entries: Vec<Entry>,
+    pub entries: Entries,
+}
+
+/// The entries of a table: a vector that its copies share until one of them changes. So the instances of an element, of which there can
+/// be thousands, have one copy of each table in which no variable occurs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Entries(Arc<Vec<Entry>>);
+
+impl Entries {
+    /// Returns whether there are copies.
+    pub(crate) fn is_shared(&self) -> bool {
+        Arc::strong_count(&self.0) > 1
+    }
+
+    /// Returns whether both are the same vector. Entries that are equal but not shared are not.
+    pub(crate) fn is_shared_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Deref for Entries {
+    type Target = Vec<Entry>;
+
+    fn deref(&self) -> &Vec<Entry> {
+        &self.0
+    }
+}
+
+impl DerefMut for Entries {
+    fn deref_mut(&mut self) -> &mut Vec<Entry> {
+        Arc::make_mut(&mut self.0)
+    }
+}
+
+impl FromIterator<Entry> for Entries {
+    fn from_iter<I: IntoIterator<Item = Entry>>(entries: I) -> Self {
+        Self(Arc::new(entries.into_iter().collect()))
+    }
+}
+
+impl IntoIterator for Entries {
+    type Item = Entry;
+    type IntoIter = std::vec::IntoIter<Entry>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        Arc::unwrap_or_clone(self.0).into_iter()
+    }
+}
+
+impl<'e> IntoIterator for &'e Entries {
+    type Item = &'e Entry;
+    type IntoIter = std::slice::Iter<'e, Entry>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<'e> IntoIterator for &'e mut Entries {
+    type Item = &'e mut Entry;
+    type IntoIter = std::slice::IterMut<'e, Entry>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
+    }
 }
 
 /// An entry of a table.
@@ -54,8 +121,10 @@ impl Table {
     /// Creates a table with one key.
     pub(crate) fn short(key: &str, node: &Node) -> Self {
         let (key, node) = (At::new(key.to_owned(), node.span), node.clone());
-        let entries = vec![Entry { key, node }];
-        Self { entries }
+        let entries = [Entry { key, node }];
+        Self {
+            entries: entries.into_iter().collect(),
+        }
     }
 
     /// Returns the entry of a key.
@@ -214,7 +283,9 @@ impl Grower<'_> {
             })
             .collect();
         entries.sort_by_key(|entry| entry.key.span);
-        Table { entries }
+        Table {
+            entries: entries.into_iter().collect(),
+        }
     }
 
     fn node(&mut self, node: &Spanned<DeValue<'_>>) -> Node {

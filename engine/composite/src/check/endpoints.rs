@@ -39,7 +39,7 @@ pub struct EndpointPort {
 }
 
 /// A service or a reference.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct EndpointService {
     /// Name within the component.
     pub name: NamedAt,
@@ -50,7 +50,7 @@ pub struct EndpointService {
 }
 
 /// A promoted topic.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PromotedTopic {
     /// Public name.
     pub name: NamedAt,
@@ -86,6 +86,26 @@ impl PortDirection {
 }
 
 impl Endpoints {
+    /// Returns whether two components have the same endpoints, except for the topics of the ports.
+    pub(crate) fn differs_in_topics_only(&self, other: &Self) -> bool {
+        let is_same = |(one, other): (&EndpointPort, &EndpointPort)| {
+            one.name == other.name
+                && one.kind == other.kind
+                && one.listed == other.listed
+                && one.optional == other.optional
+        };
+        let are_same = |one: &[EndpointPort], other: &[EndpointPort]| {
+            one.len() == other.len() && one.iter().zip(other).all(is_same)
+        };
+        are_same(&self.inputs, &other.inputs)
+            && are_same(&self.outputs, &other.outputs)
+            && self.services == other.services
+            && self.references == other.references
+            && self.topics == other.topics
+            && self.properties == other.properties
+            && self.blank == other.blank
+    }
+
     /// Looks up a port by name, preferring the wanted direction.
     pub(crate) fn port(
         &self,

@@ -167,13 +167,25 @@ impl ElementInstance {
 
     /// Substitutes the variables in a string. Other names after `$` stay: they are those of bindings.
     pub fn text(&self, text: &str) -> String {
+        self.changed(text).unwrap_or_else(|| text.to_owned())
+    }
+
+    /// `None` if no variable occurs in the string.
+    fn changed(&self, text: &str) -> Option<String> {
+        if !text.contains('$') {
+            return None;
+        }
         let mut parts = text.split('$');
         let mut result = parts.next().unwrap_or_default().to_owned();
+        let mut is_changed = false;
         for part in parts {
             let end = part.find(|it| !is_in_name(it)).unwrap_or(part.len());
             let (name, rest) = part.split_at(end);
             match self.value(name).and_then(written) {
-                Some(value) => result += &value,
+                Some(value) => {
+                    is_changed = true;
+                    result += &value;
+                }
                 None => {
                     result.push('$');
                     result += name;
@@ -181,31 +193,75 @@ impl ElementInstance {
             }
             result += rest;
         }
-        result
+        is_changed.then_some(result)
     }
 
     /// Substitutes the variables in the keys and strings of a node. A string that is a variable becomes its value.
-    pub fn node(&self, node: &Node) -> Node {
+    pub fn node(&self, pattern: &NodePattern<'_>) -> Node {
+        let (node, parts) = match pattern {
+            NodePattern::Fixed(node) => return (*node).clone(),
+            NodePattern::Changing(node, parts) => (node, parts),
+        };
         let value = match &node.value {
             Branch::Text(text) => match text.strip_prefix('$').and_then(|name| self.value(name)) {
                 Some(value) => value.clone(),
                 None => Branch::Text(self.text(text)),
             },
-            Branch::List(items) => Branch::List(items.iter().map(|it| self.node(it)).collect()),
+            Branch::List(_) => Branch::List(parts.iter().map(|it| self.node(it)).collect()),
             Branch::Table(table) => {
-                let entries = table.entries.iter().map(|Entry { key, node }| Entry {
+                let entries = table.entries.iter().zip(parts);
+                let entries = entries.map(|(Entry { key, .. }, part)| Entry {
                     key: At::new(self.text(&key.value), key.span),
-                    node: self.node(node),
+                    node: self.node(part),
                 });
                 Branch::Table(Table {
                     entries: entries.collect(),
                 })
             }
-            Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) | Branch::Date(_) => {
-                node.value.clone()
-            }
+            value @ (Branch::Integer(_)
+            | Branch::Float(_)
+            | Branch::Boolean(_)
+            | Branch::Date(_)) => value.clone(),
         };
         let span = node.span;
         Node { span, value }
+    }
+}
+
+/// A node of which instances are made. Instances share the parts in which no variable occurs.
+pub(super) enum NodePattern<'n> {
+    /// No variable occurs in it.
+    Fixed(&'n Node),
+    /// A variable occurs in it, and the nodes of which it consists.
+    Changing(&'n Node, Vec<NodePattern<'n>>),
+}
+
+impl<'n> NodePattern<'n> {
+    /// Creates the pattern for instances that have the variables of `instance`.
+    pub fn new(node: &'n Node, instance: &ElementInstance) -> Self {
+        let is_changed = |text: &str| instance.changed(text).is_some();
+        let part = |node| Self::new(node, instance);
+        let (has_variable, parts): (bool, Vec<_>) = match &node.value {
+            Branch::Text(text) => (is_changed(text), Vec::new()),
+            Branch::List(items) => (false, items.iter().map(part).collect()),
+            Branch::Table(table) => {
+                let mut keys = table.entries.iter().map(|it| &it.key.value);
+                let parts = table.entries.iter().map(|it| part(&it.node));
+                (keys.any(|key| is_changed(key)), parts.collect())
+            }
+            Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) | Branch::Date(_) => {
+                (false, Vec::new())
+            }
+        };
+        if has_variable || parts.iter().any(|it| !it.is_fixed()) {
+            Self::Changing(node, parts)
+        } else {
+            Self::Fixed(node)
+        }
+    }
+
+    /// Returns whether no variable occurs in the node, so that all instances are equal to it.
+    pub fn is_fixed(&self) -> bool {
+        matches!(self, Self::Fixed(_))
     }
 }

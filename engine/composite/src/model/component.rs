@@ -1,5 +1,7 @@
 //! Components as written in the composite.
 
+use std::sync::Arc;
+
 use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
@@ -75,7 +77,7 @@ pub struct Component {
     pub properties: Vec<Setting>,
     /// Bindings of the functions of an ASM to ports and services.
     #[key(or_default, example = "{ monitored = { }, out = { } }")]
-    pub bind: Bind,
+    pub bind: Arc<Bind>,
     /// Keys that only one kind of implementation has.
     #[key(flatten)]
     pub special: SpecialKeys,
@@ -144,7 +146,7 @@ pub struct Ports {
 }
 
 /// A name and its type or interface, as in `scan = "sensor_msgs/LaserScan"`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Listed {
     /// Port, service or operation name.
     pub name: At<String>,
@@ -153,7 +155,7 @@ pub struct Listed {
 }
 
 /// A reference, or its interface only.
-#[derive(Clone, Debug, Table)]
+#[derive(Clone, Debug, PartialEq, Table)]
 #[table(
     of = "a reference",
     short = "interface",

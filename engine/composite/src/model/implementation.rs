@@ -7,7 +7,7 @@ use asmotion_diagnostics::Span;
 use crate::at::At;
 
 /// Implementation of a component, exactly one of these.
-#[derive(Clone, Debug, Table)]
+#[derive(Clone, Debug, PartialEq, Table)]
 #[table(
     of = "an implementation",
     example = "{ rust = \"nav::MapServer\" }",

@@ -2,7 +2,9 @@
 //!
 //! The keys requested define the permitted keys: dropping [`Keys`] reports all others as unknown.
 
+use std::any::Any;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use asmotion_datum::Word;
 use asmotion_diagnostics::{Report, Span};
@@ -22,7 +24,7 @@ use crate::finding::Findings;
 use crate::nearest::{Nearest, nearest_name};
 use crate::range::shown;
 use crate::template::{self, Template};
-use crate::tree::{Branch, Entry, Node, Table};
+use crate::tree::{Branch, Entries, Entry, Node, Table};
 
 /// Source text being read and the diagnostics found in it.
 pub(crate) struct Reader<'t> {
@@ -32,6 +34,13 @@ pub(crate) struct Reader<'t> {
     pub instances: Vec<(Span, Vec<String>)>,
     /// Entries of tables of names that could not be read: the key of the table, and the name.
     pub unread: Vec<(&'static str, String)>,
+    shared: Vec<SharedValue>,
+}
+
+/// What has been read from a table that several instances share.
+struct SharedValue {
+    entries: Entries,
+    value: Arc<dyn Any + Send + Sync>,
 }
 
 impl<'t> Reader<'t> {
@@ -42,7 +51,46 @@ impl<'t> Reader<'t> {
             report,
             instances: Vec::new(),
             unread: Vec::new(),
+            shared: Vec::new(),
         }
+    }
+
+    /// Reads a value. Of a table that several instances share, the value that has been read for the first of them is returned, unless
+    /// there were findings, which are about each of them.
+    pub(crate) fn shared<V: Value + Send + Sync + 'static>(
+        &mut self,
+        key: &At<String>,
+        spec: &Key,
+        node: &Node,
+    ) -> Option<Arc<V>> {
+        let entries = if let Branch::Table(table) = &node.value
+            && table.entries.is_shared()
+        {
+            &table.entries
+        } else {
+            return V::read(self, key, spec, node).map(Arc::new);
+        };
+        // instances of one element follow each other
+        let mut shared = self.shared.iter().rev();
+        let known = shared.find_map(|it| {
+            let value = it
+                .entries
+                .is_shared_with(entries)
+                .then(|| Arc::clone(&it.value));
+            value?.downcast().ok()
+        });
+        if known.is_some() {
+            return known;
+        }
+        let before = (self.report.diagnostics.len(), self.unread.len());
+        let value = Arc::new(V::read(self, key, spec, node)?);
+        if before == (self.report.diagnostics.len(), self.unread.len()) {
+            self.shared.push(SharedValue {
+                entries: entries.clone(),
+                value: Arc::<V>::clone(&value),
+            });
+        }
+        Some(value)
     }
 
     /// Returns the variable in a text that is none of the `for` of its element.
@@ -67,7 +115,12 @@ impl<'t> Reader<'t> {
             span,
             of,
             within: "",
-            known: BTreeSet::new(),
+            known: Vec::new(),
+            is_known: vec![false; table.entries.len()],
+            groups: table
+                .entries
+                .iter()
+                .fold(0, |all, it| all | group(&it.key.value)),
         }
     }
 
@@ -225,20 +278,41 @@ pub(crate) struct Keys<'r, 't, 'n> {
     of: &'static str,
     /// Key of which the table is the value.
     pub within: &'static str,
-    /// Keys requested so far.
-    known: BTreeSet<&'static str>,
+    /// Keys requested so far, some repeatedly.
+    known: Vec<&'static str>,
+    /// For each entry of the table, whether its key has been requested.
+    is_known: Vec<bool>,
+    /// The groups of the keys of the table. Most keys that are requested are absent, and in no group of one that is present.
+    groups: u64,
+}
+
+/// The group of a key, as one bit.
+fn group(key: &str) -> u64 {
+    let first = key.as_bytes().first().copied().unwrap_or_default();
+    1 << ((usize::from(first) + key.len()) % 64)
 }
 
 impl<'n> Keys<'_, '_, 'n> {
     fn find(&mut self, key: &'static str) -> Option<&'n Entry> {
-        self.known.insert(key);
-        self.table.get(key)
+        self.known.push(key);
+        if self.groups & group(key) == 0 {
+            return None;
+        }
+        let (entry, is_known) = self.entry(key)?;
+        *is_known = true;
+        Some(entry)
+    }
+
+    fn entry(&mut self, key: &str) -> Option<(&'n Entry, &mut bool)> {
+        let mut entries = self.table.entries.iter().zip(&mut self.is_known);
+        entries.find(|(entry, _)| entry.key.value == key)
     }
 
     /// Marks the keys of an outline as known even if they are not read.
     pub(crate) fn know(&mut self, outline: &Outline) {
-        self.known
-            .extend(outline.keys.iter().map(|(key, _)| key.name));
+        for (key, _) in &outline.keys {
+            self.find(key.name);
+        }
     }
 
     /// Returns the location of a key; `None` if it is absent.
@@ -353,18 +427,18 @@ impl<'n> Keys<'_, '_, 'n> {
 
 impl Drop for Keys<'_, '_, '_> {
     fn drop(&mut self) {
-        for entry in &self.table.entries {
+        let entries = self.table.entries.iter().zip(&self.is_known);
+        for (entry, _) in entries.filter(|(_, is_known)| !**is_known) {
             let key = entry.key.value.as_str();
-            if !self.known.contains(key) {
-                self.reader.report.found(UnknownKey {
-                    key: key.to_owned(),
-                    of: self.of,
-                    at: entry.key.span,
-                    nearest: nearest_name(key, self.known.iter().copied()),
-                    known: self.known.iter().copied().collect(),
-                    instead: None,
-                });
-            }
+            let known: BTreeSet<&'static str> = self.known.iter().copied().collect();
+            self.reader.report.found(UnknownKey {
+                key: key.to_owned(),
+                of: self.of,
+                at: entry.key.span,
+                nearest: nearest_name(key, known.iter().copied()),
+                known: known.into_iter().collect(),
+                instead: None,
+            });
         }
     }
 }

@@ -11,6 +11,8 @@ mod tests;
 mod value;
 mod write;
 
+use std::sync::Arc;
+
 use serde_json::{Map, Value as Json, json};
 use toml_edit::Value as Toml;
 
@@ -104,6 +106,23 @@ pub(crate) trait Table: Sized {
 
     /// Reads the table key by key; `name` is the key of an entry in a table of names.
     fn read_keys(keys: &mut Keys<'_, '_, '_>, name: &At<String>) -> Option<Self>;
+}
+
+/// A value that instances share if their table has no variable.
+impl<T: Value + Send + Sync + 'static> Value for Arc<T> {
+    const MANY: Many = T::MANY;
+
+    fn schema(key: &Key) -> Json {
+        T::schema(key)
+    }
+
+    fn table(key: &Key) -> Option<Outline> {
+        T::table(key)
+    }
+
+    fn read(reader: &mut Reader<'_>, key: &At<String>, spec: &Key, node: &Node) -> Option<Self> {
+        reader.shared(key, spec, node)
+    }
 }
 
 impl<T: Table> Table for Box<T> {
