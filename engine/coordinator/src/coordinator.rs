@@ -83,7 +83,7 @@ impl Coordinator {
         seed: u64,
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
-        let prepared = PreparedSpecification::new(specification, binding.clone(), watch)?;
+        let prepared = PreparedSpecification::new(specification, Arc::new(binding.clone()), watch)?;
         Self::of(Arc::new(prepared), interfaces, seed, interface)
     }
 

@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct PreparedSpecification {
     /// The specification, with the terms of the bindings and the safe rule.
     pub(crate) specification: Specification,
-    pub(crate) binding: Binding,
+    pub(crate) binding: Arc<Binding>,
     pub(crate) terms: BindingTerms,
     /// Fingerprint of the specification and the bindings, stored in frozen states.
     pub(crate) fingerprint: String,
@@ -38,7 +38,7 @@ impl PreparedSpecification {
     /// A binding, a property or the safe rule does not fit the specification, or the initial state cannot be built.
     pub fn new(
         mut specification: Specification,
-        binding: Binding,
+        binding: Arc<Binding>,
         watch: &Watch,
     ) -> Result<Self, BindError> {
         let terms = BindingTerms::add(&binding, &mut specification)?;
@@ -60,8 +60,10 @@ impl PreparedSpecification {
     }
 
     /// Returns whether it was prepared with these bindings and this watch.
-    pub fn has(&self, binding: &Binding, watch: &Watch) -> bool {
-        self.binding == *binding && self.watcher.watch == *watch
+    pub fn has(&self, binding: &Arc<Binding>, watch: &Watch) -> bool {
+        // those of instances are often shared
+        let has_binding = Arc::ptr_eq(&self.binding, binding) || self.binding == *binding;
+        has_binding && self.watcher.watch == *watch
     }
 
     /// Returns the message type that all coordinators with such a port share.

@@ -1,5 +1,7 @@
 //! Components of a plan.
 
+use std::sync::Arc;
+
 use crate::plan::{Implementation, Lifecycle, Pace, PropertyValues};
 use asmotion_composite::model::PlannedSpecialKeys;
 use asmotion_coordinator::Binding;
@@ -28,8 +30,9 @@ pub struct Component {
     pub references: Vec<Service>,
     /// Property values set by the composite.
     pub properties: PropertyValues,
-    /// `bind` of an ASM component; `None` for other implementations.
-    pub binding: Option<Binding>,
+    /// `bind` of an ASM component, which instances of one component share if they differ in names only; `None` for other
+    /// implementations.
+    pub binding: Option<Arc<Binding>>,
     /// `map` and `notify` compiled for the bridge; `None` for components other than port-proxies.
     pub bridge: Option<asmotion_bridge::ProxySettings>,
     /// Declaration of the program that implements the component; `None` for other implementations, and if the program was

@@ -147,10 +147,12 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
 fn schemas(plan: &Plan, types: &BTreeMap<&str, Types<'_>>) -> BTreeMap<String, Schema> {
     let components = plan.components.iter();
     let ports = components.flat_map(|it| it.inputs.iter().chain(&it.outputs));
-    ports
-        .filter_map(|port| {
-            let schema = types.values().find_map(|types| types.schema(&port.kind))?;
-            Some((port.kind.clone(), schema))
+    let kinds: BTreeSet<&String> = ports.map(|port| &port.kind).collect();
+    kinds
+        .into_iter()
+        .filter_map(|kind| {
+            let schema = types.values().find_map(|types| types.schema(kind))?;
+            Some((kind.clone(), schema))
         })
         .collect()
 }

@@ -76,6 +76,23 @@ fn properties_determine_the_number_of_instances() {
     assert_eq!(components(&[("robots", "20")]).len(), 20 + 2 + 4);
 }
 
+#[test]
+fn instances_share_their_bindings_unless_the_messages_differ() {
+    let file = "instances_with_bindings_are_fine.toml";
+    let opened = crate::support::open("tests/composites", file);
+    let plan = opened.plan(None).unwrap();
+    let [a, b, c] = ["a", "b", "c"].map(|it| {
+        let component = plan.component(&format!("Guard{it}")).unwrap();
+        component.binding.clone().unwrap()
+    });
+    assert!(Arc::ptr_eq(&a, &b));
+    let field = |of: &asmotion_coordinator::Binding| of.monitored[0].field.clone();
+    assert_eq!(
+        [field(&a), field(&c)],
+        ["told", "heard"].map(|it| Some(it.to_owned()))
+    );
+}
+
 /// Returns the expansions of a composite by profile, after verifying that each expands to itself.
 fn expansions(folder: &str, file: &str) -> Vec<String> {
     let opened = open(&Files::new(folder), file);

@@ -206,7 +206,7 @@ impl ActorSearch<'_> {
             let (inputs, outputs) = reader.read(&planned.binding.clone().unwrap_or_default())?;
             (inputs, outputs, Vec::new())
         };
-        let binding = planned.binding.as_ref().filter(|_| is_protocol);
+        let binding = planned.binding.as_deref().filter(|_| is_protocol);
         let own_messages = binding.map(OwnMessages::of).unwrap_or_default();
         self.actors.push(Actor {
             component: component.to_owned(),

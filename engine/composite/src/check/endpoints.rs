@@ -87,7 +87,7 @@ impl PortDirection {
 
 impl Endpoints {
     /// Returns whether two components have the same endpoints, except for the topics of the ports.
-    pub(crate) fn differs_in_topics_only(&self, other: &Self) -> bool {
+    pub fn differs_in_topics_only(&self, other: &Self) -> bool {
         let is_same = |(one, other): (&EndpointPort, &EndpointPort)| {
             one.name == other.name
                 && one.kind == other.kind

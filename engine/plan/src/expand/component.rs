@@ -21,7 +21,7 @@ pub(super) fn component(component: &Component, plan: &Plan, root: &str) -> Table
     special.protocol = special.protocol.map(|file| beside(root, &file));
     keys.append(special.keys(""));
     let mut table = table(keys);
-    let bind = component.binding.as_ref().map(binding::bind);
+    let bind = component.binding.as_deref().map(binding::bind);
     if let Some(bind) = bind.filter(|bind| !bind.is_empty()) {
         table.insert("bind", Item::Table(bind));
     }

@@ -11,7 +11,9 @@ mod proxy_target;
 mod topic;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use asmotion_coordinator::Binding;
 use asmotion_diagnostics::{Sources, Span};
 
 use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
@@ -19,6 +21,7 @@ use crate::component_list::ComponentList;
 use crate::connection_list::ConnectionList;
 use crate::plan::{Plan, PropertyValues};
 use asmotion_composite::Context;
+use asmotion_composite::check::endpoints::Endpoints;
 use asmotion_composite::check::{self, Faces};
 use asmotion_composite::family::{Family, Member};
 use asmotion_composite::finding::Findings;
@@ -48,6 +51,7 @@ pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut SubstitutionNotes) -> Optio
         notes,
         plan,
         instances: Vec::new(),
+        resolved: None,
         full: false,
     };
     let set =
@@ -107,8 +111,35 @@ pub(super) struct Flattener<'p, 'n> {
     pub notes: &'n mut SubstitutionNotes,
     pub plan: Plan,
     pub instances: Vec<Instance<'p>>,
+    /// The last component whose bindings have been resolved without a note.
+    resolved: Option<ResolvedBinding<'p>>,
     /// Set once the maximum number of components is exceeded.
     full: bool,
+}
+
+/// The bindings of a component.
+struct ResolvedBinding<'p> {
+    /// Index of the instance of the composite that contains the component.
+    index: usize,
+    component: &'p model::Component,
+    face: &'p Endpoints,
+    binding: Arc<Binding>,
+}
+
+impl ResolvedBinding<'_> {
+    /// Returns the bindings if those of another component are the same: instances of one component often differ in names only.
+    fn of(
+        &self,
+        index: usize,
+        component: &model::Component,
+        face: &Endpoints,
+    ) -> Option<Arc<Binding>> {
+        let is_same = self.index == index
+            && Arc::ptr_eq(&self.component.bind, &component.bind)
+            && self.component.implementation == component.implementation
+            && self.face.differs_in_topics_only(face);
+        is_same.then(|| Arc::clone(&self.binding))
+    }
 }
 
 impl<'p> Flattener<'p, '_> {
@@ -212,12 +243,17 @@ impl<'p> Flattener<'p, '_> {
         let Some(types) = self.parts.types.get(instance.path) else {
             return;
         };
+        let resolved = self.resolved.as_ref();
+        let known = resolved.and_then(|it| it.of(index, component, face));
+        let is_known = known.is_some();
+        let before = self.notes.report.diagnostics.len();
         let bind = self.parts.family.bind(member, component);
         let source = component::PartSource {
             member,
             path: instance.path,
             component,
             bind: &bind,
+            binding: known,
             face,
             types,
             prefix: &instance.prefix,
@@ -225,6 +261,16 @@ impl<'p> Flattener<'p, '_> {
             catalogue: self.parts.context.catalogue,
         };
         let mut made = component::component(&source, set, self.notes);
+        if let Some(binding) = made.binding.as_ref().filter(|_| !is_known)
+            && before == self.notes.report.diagnostics.len()
+        {
+            self.resolved = Some(ResolvedBinding {
+                index,
+                component,
+                face,
+                binding: Arc::clone(binding),
+            });
+        }
         for port in made.inputs.iter_mut().chain(&mut made.outputs) {
             port.topic = port.topic.take().map(|topic| self.topic(index, &topic));
         }

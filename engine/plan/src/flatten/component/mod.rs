@@ -4,6 +4,8 @@ mod binding;
 mod properties;
 mod proxy;
 
+use std::sync::Arc;
+
 use crate::component::{Component, Port, Service};
 use crate::plan::{Implementation, Pace};
 use asmotion_composite::Catalogue;
@@ -14,6 +16,7 @@ use asmotion_composite::programs::directory_of;
 use asmotion_composite::scope::{OutsideSettings, PropertyScope, SubstitutionNotes};
 use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
+use asmotion_coordinator::Binding;
 use asmotion_program::ProgramDeclaration;
 
 /// Inputs for the resolution of a component.
@@ -24,6 +27,8 @@ pub(super) struct PartSource<'p> {
     pub component: &'p model::Component,
     /// Its bindings, one for each location.
     pub bind: &'p model::binding::Bind,
+    /// These bindings, if they have been resolved for another instance.
+    pub binding: Option<Arc<Binding>>,
     pub face: &'p Endpoints,
     pub types: &'p Types<'p>,
     /// Name prefix of the enclosing composites.
@@ -59,7 +64,10 @@ pub(super) fn component(
         services: source.face.services.iter().map(service).collect(),
         references: source.face.references.iter().map(service).collect(),
         properties,
-        binding: binding::binding(source, to),
+        binding: match &source.binding {
+            Some(binding) => Some(Arc::clone(binding)),
+            None => binding::binding(source, to).map(Arc::new),
+        },
         bridge: proxy::settings(source),
         program: program(source),
     }
