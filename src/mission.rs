@@ -39,7 +39,7 @@ use asmotion_assembly::{Assembled, CoordinatorOptions, Standard, StartError};
 use asmotion_bus::LocalBus;
 use asmotion_component::Time;
 use asmotion_composite::Programs;
-use asmotion_coordinator::{RECORDED_CYCLE_REPORT, STEP_REPORT};
+use asmotion_coordinator::{BRIEF_STEP_REPORT, RECORDED_CYCLE_REPORT, STEP_REPORT};
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
 use asmotion_lang::{Loader, Report, Sources};
@@ -554,9 +554,12 @@ impl Mission {
             if let Some(next) = director.next() {
                 until = until.min(next);
             }
-            // any report is notable, whatever it says
+            // as fast as possible, no time passes outside between two steps
+            let as_fast_as_possible =
+                matches!(self.clock, MissionClock::Virtual(speed) if speed <= 0.0);
+            let stops_at_steps = !as_fast_as_possible || lock(watch).depends_on_steps();
             run.run_until_event_among(until, ReportInterest::NONE, &mut |at, event| {
-                is_notable(event) || director.is_due(at)
+                is_notable(event, stops_at_steps) || director.is_due(at)
             });
         }
     }
@@ -609,10 +612,14 @@ impl Mission {
 }
 
 /// Returns whether an event can end the run. The record of a cycle cannot: a run takes the same course whether it is recorded or
-/// not.
-fn is_notable(event: &Event<'_>) -> bool {
+/// not. Nor does it depend on what a report says, which may be brief. `stops_at_steps` says whether a step can end it.
+fn is_notable(event: &Event<'_>, stops_at_steps: bool) -> bool {
     match event {
-        Event::Report { kind, .. } => *kind != RECORDED_CYCLE_REPORT,
+        Event::Report { kind, .. } => match *kind {
+            RECORDED_CYCLE_REPORT => false,
+            STEP_REPORT | BRIEF_STEP_REPORT => stops_at_steps,
+            _ => true,
+        },
         Event::Fault { .. } => true,
         Event::Cycle { .. }
         | Event::Published { .. }

@@ -134,6 +134,12 @@ impl EndCondition {
         all.any(|it| !CONTROL_STATES.contains(&function_of(&it.location)))
     }
 
+    /// Returns whether the run can end after a step: because of its updates, or because a component has failed before and is not
+    /// restarted.
+    pub(super) fn depends_on_steps(&self) -> bool {
+        !self.until.is_empty() || !self.unless.is_empty() || !self.faulted.is_empty()
+    }
+
     /// Returns whether the run can succeed before its time is up.
     pub(super) fn has_goal(&self) -> bool {
         !self.until.is_empty()
