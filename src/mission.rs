@@ -559,7 +559,8 @@ impl Mission {
                 matches!(self.clock, MissionClock::Virtual(speed) if speed <= 0.0);
             let stops_at_steps = !as_fast_as_possible || lock(watch).depends_on_steps();
             run.run_until_event_among(until, ReportInterest::NONE, &mut |at, event| {
-                is_notable(event, stops_at_steps) || director.is_due(at)
+                let stops = stops_at_steps || limit.is_some_and(|limit| at >= limit);
+                is_notable(event, stops) || director.is_due(at)
             });
         }
     }
