@@ -58,6 +58,7 @@ use dashboard::OpenDashboard;
 use end_condition::{EndCondition, SLICE, awaited_updates};
 use recording::{MissionRecorder, RecordedMission};
 use robots::RobotsOnBrokers;
+use stall::FinalStatuses;
 use version_switch::VersionSwitch;
 
 /// A composite and the options of its run.
@@ -399,17 +400,14 @@ impl Mission {
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
         let mut summary = lock(&story).summary().clone();
-        for (component, state) in stall::control_states(&successor.running().plan, &mut *run) {
-            summary.add_final_control_state(&component, &state);
+        let statuses = FinalStatuses::of(&successor.running().plan, &mut *run);
+        for (component, state) in statuses.control_states() {
+            summary.add_final_control_state(component, &state);
         }
         let stalled = match outcome {
-            MissionOutcome::TimeUp => stall::stalled(&successor.running().plan, &mut *run),
+            MissionOutcome::TimeUp => statuses.stalled(),
             // without a goal, a coordinator may wait at the end; one that has never done anything is worth a word
-            MissionOutcome::Completed => {
-                let mut stalled = stall::stalled(&successor.running().plan, &mut *run);
-                stalled.retain(StalledCoordinator::is_stalled_since_start);
-                stalled
-            }
+            MissionOutcome::Completed => statuses.stalled_since_start(),
             MissionOutcome::Reached
             | MissionOutcome::Failed
             | MissionOutcome::Fault

@@ -39,49 +39,63 @@ impl fmt::Display for StalledCoordinator {
     }
 }
 
-impl StalledCoordinator {
-    /// Returns whether it has never made an update.
-    pub(super) fn is_stalled_since_start(&self) -> bool {
-        self.since_s.is_none()
-    }
+/// The coordinators of a plan with their status at the end of a run. Those in a long cycle are left out.
+pub(super) struct FinalStatuses<'p> {
+    plan: &'p Plan,
+    statuses: Vec<(&'p Component, CoordinatorStatus)>,
 }
 
-/// The coordinators of a run with their control states. A coordinator in a long cycle is left out.
-pub(super) fn control_states(plan: &Plan, run: &mut dyn Run) -> Vec<(String, String)> {
-    let state = |component: &Component| {
-        let status = status(component, run)?;
-        Some((component.name.clone(), status.control_states()?))
-    };
-    plan.components.iter().filter_map(state).collect()
-}
-
-fn status(component: &Component, run: &mut dyn Run) -> Option<CoordinatorStatus> {
-    matches!(component.implementation, Implementation::Asm { .. })
-        .then(|| run.inspect(&component.name).ok())
-        .flatten()
-        .and_then(|entries| CoordinatorStatus::of(&entries))
-}
-
-/// Describes the coordinators of a run whose time is up. A coordinator in a long cycle is left out.
-pub(super) fn stalled(plan: &Plan, run: &mut dyn Run) -> Vec<StalledCoordinator> {
-    let mut specifications = SpecificationsRead::default();
-    let topics = SubscribedTopics::of(plan);
-    let describe = |component: &Component| {
-        let Implementation::Asm { file, .. } = &component.implementation else {
-            return None;
+impl<'p> FinalStatuses<'p> {
+    pub(super) fn of(plan: &'p Plan, run: &mut dyn Run) -> Self {
+        let coordinators = plan.components.iter();
+        let coordinators =
+            coordinators.filter(|it| matches!(it.implementation, Implementation::Asm { .. }));
+        let status = |component: &'p Component| {
+            let entries = run.inspect(&component.name).ok()?;
+            Some((component, CoordinatorStatus::of(&entries)?))
         };
-        let status = status(component, run)?;
-        Some(StalledCoordinator {
-            component: component.name.clone(),
-            state: status
-                .control_state()
-                .map(equation)
-                .or_else(|| status.control_states()),
-            since_s: status.last_update.as_ref().map(|last| last.at_s),
-            reasons: reasons(&topics, component, specifications.get(file), &status),
-        })
-    };
-    plan.components.iter().filter_map(describe).collect()
+        Self {
+            plan,
+            statuses: coordinators.filter_map(status).collect(),
+        }
+    }
+
+    /// The names of the coordinators with their control states.
+    pub(super) fn control_states(&self) -> impl Iterator<Item = (&str, String)> {
+        let all = self.statuses.iter();
+        all.filter_map(|(component, status)| Some((&*component.name, status.control_states()?)))
+    }
+
+    /// Describes what the coordinators wait for.
+    pub(super) fn stalled(&self) -> Vec<StalledCoordinator> {
+        self.stalled_among(|_| true)
+    }
+
+    /// Describes what those coordinators wait for that have never made an update.
+    pub(super) fn stalled_since_start(&self) -> Vec<StalledCoordinator> {
+        self.stalled_among(|status| status.last_update.is_none())
+    }
+
+    fn stalled_among(&self, is_wanted: fn(&CoordinatorStatus) -> bool) -> Vec<StalledCoordinator> {
+        let mut specifications = SpecificationsRead::default();
+        let topics = SubscribedTopics::of(self.plan);
+        let wanted = self.statuses.iter().filter(|(_, it)| is_wanted(it));
+        let describe = |(component, status): &(&Component, CoordinatorStatus)| {
+            let Implementation::Asm { file, .. } = &component.implementation else {
+                return None;
+            };
+            Some(StalledCoordinator {
+                component: component.name.clone(),
+                state: status
+                    .control_state()
+                    .map(equation)
+                    .or_else(|| status.control_states()),
+                since_s: status.last_update.as_ref().map(|last| last.at_s),
+                reasons: reasons(&topics, component, specifications.get(file), status),
+            })
+        };
+        wanted.filter_map(describe).collect()
+    }
 }
 
 /// Specifications by file, each read once for all coordinators that run it; `None` if it cannot be read any more.
