@@ -21,6 +21,7 @@ pub mod mission;
 mod misspelt;
 pub mod model;
 mod named;
+mod named_list;
 mod nearest;
 mod pattern;
 pub mod programs;
@@ -48,6 +49,7 @@ pub use catalogue::{
 pub use codes::CODES;
 pub use context::Context;
 pub use environment::{EmptyEnvironment, VariableSource};
+pub use named_list::{HasName, NamedList};
 pub use programs::{NoPrograms, ProgramAnswer, Programs, split_robot_component};
 pub use signature::{NoSpecifications, Signature, Specifications};
 pub use specification::AsmFiles;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::plan::{Implementation, Lifecycle, Pace, PropertyValues};
+use asmotion_composite::HasName;
 use asmotion_composite::model::PlannedSpecialKeys;
 use asmotion_coordinator::Binding;
 use asmotion_program::ProgramDeclaration;
@@ -40,6 +41,12 @@ pub struct Component {
     pub program: Option<ProgramDeclaration>,
     /// Keys that only its kind of implementation has.
     pub special: PlannedSpecialKeys,
+}
+
+impl HasName for Component {
+    fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 /// A port of a component.

@@ -3,7 +3,6 @@
 
 mod codes;
 mod component;
-mod component_list;
 mod component_thread;
 mod connection_list;
 mod connection_route;
@@ -20,7 +19,6 @@ mod route;
 
 pub use codes::CODES;
 pub use component::{Component, Port, Service};
-pub use component_list::ComponentList;
 pub use component_thread::{ComponentThread, ThreadReason};
 pub use connection_list::ConnectionList;
 pub use connection_route::{ConnectionRoute, RouteEnd, RouteTransport};

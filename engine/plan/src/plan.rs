@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 
 use asmotion_component::declaration::OperationDeclaration;
+use asmotion_composite::NamedList;
 use asmotion_datum::Schema;
 
 use crate::component::Component;
-use crate::component_list::ComponentList;
 use crate::connection_list::ConnectionList;
 use crate::joint::{Promoted, Topic};
 pub use asmotion_composite::address::Endpoint;
@@ -42,7 +42,7 @@ pub struct Plan {
     /// Bridges of all composites.
     pub bridges: Vec<Bridge>,
     /// Components in file order.
-    pub components: ComponentList,
+    pub components: NamedList<Component>,
     /// Topics in order of their names.
     pub topics: Vec<Topic>,
     /// Connections, one per pair of ends.
@@ -66,8 +66,7 @@ pub struct Plan {
 impl Plan {
     /// Returns the component of this qualified name.
     pub fn component(&self, name: &str) -> Option<&Component> {
-        let position = self.components.position(name)?;
-        self.components.get(position)
+        self.components.named(name)
     }
 
     /// Returns the process of a component of the plan; `None` if the component is unknown and there are several processes.

@@ -22,12 +22,12 @@ use asmotion_diagnostics::{Report, Span};
 use super::declared::declared;
 use super::endpoints::{EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, TypeAt};
 use super::operations::operations;
-use super::part_list::PartList;
 use super::scene::{CheckedComponent, CheckedComposite};
 use super::schedule;
 use crate::at::At;
 use crate::finding::Findings;
 use crate::model::{BuiltinComponent, Component, Implementation, Listed, Setting, Wanted};
+use crate::named_list::NamedList;
 use crate::nearest::{Nearest, nearest_name};
 use crate::programs::{command_of, robot_component};
 use crate::signature::{Codomain, Signature};
@@ -38,10 +38,10 @@ pub(crate) fn parts<'s>(
     scene: &CheckedComposite<'s>,
     nested: &BTreeMap<String, Rc<Endpoints>>,
     report: &mut Report,
-) -> PartList<'s> {
+) -> NamedList<CheckedComponent<'s>> {
     let mut ids: BTreeMap<String, Span> = BTreeMap::new();
     types(scene, report);
-    let mut parts = PartList::default();
+    let mut parts = NamedList::default();
     for component in &scene.composite.components {
         if !scene.active(&component.profiles) {
             continue;

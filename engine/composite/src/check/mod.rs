@@ -21,7 +21,6 @@ mod gateway;
 mod literal;
 mod meant;
 mod operations;
-mod part_list;
 mod policy;
 mod profile;
 mod promote;
@@ -47,13 +46,13 @@ use asmotion_diagnostics::Report;
 pub use self::binding::chosen_field;
 pub use self::component::topic;
 use self::endpoints::Endpoints;
-use self::part_list::PartList;
 pub use self::profile::{profiles, takes_part};
 use self::scene::CheckedComposite;
 pub use self::scene::nested;
 pub use self::wire::waits;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
+use crate::named_list::NamedList;
 use crate::types::Types;
 
 /// Ports and services of the components of a composite, by component name.
@@ -122,7 +121,7 @@ impl<'c> Checker<'c> {
             profile: self.profile,
             types,
             catalogue: self.catalogue,
-            parts: PartList::default(),
+            parts: NamedList::default(),
         };
         let report = &mut *self.report;
         endpoint::check(&scene, report);
@@ -140,7 +139,7 @@ impl<'c> Checker<'c> {
         protocol::check(&scene, report);
         gateway::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
-        let parts = scene.parts.into_parts().into_iter();
+        let parts = scene.parts.into_items().into_iter();
         let faces = parts
             .map(|part| (part.component.name.value.clone(), part.face))
             .collect();

@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 use super::endpoints::{
     EndpointPort, EndpointService, Endpoints, NamedAt, PortDirection, find, nearest_service,
 };
-use super::part_list::PartList;
 use super::profile::takes_part;
 use crate::at::At;
 use crate::catalogue::{Catalogue, RosMessages};
@@ -22,6 +21,7 @@ use crate::model::{
     Amount, Bridge, Component, Composite, Delivery, Deploy, End, Implementation, Terminal,
     Transport,
 };
+use crate::named_list::{HasName, NamedList};
 use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
 
@@ -36,7 +36,7 @@ pub(crate) struct CheckedComposite<'s> {
     pub types: &'s Types<'s>,
     pub catalogue: &'s dyn Catalogue,
     /// Active components in file order.
-    pub parts: PartList<'s>,
+    pub parts: NamedList<CheckedComponent<'s>>,
 }
 
 /// An active component.
@@ -45,6 +45,12 @@ pub(crate) struct CheckedComponent<'s> {
     pub face: Endpoints,
     /// Its bindings, one for each location.
     pub bind: Cow<'s, Bind>,
+}
+
+impl HasName for CheckedComponent<'_> {
+    fn name(&self) -> &str {
+        &self.component.name
+    }
 }
 
 /// Returns the file name of a nested composite; `None` for other implementations.

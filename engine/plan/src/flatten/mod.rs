@@ -17,10 +17,8 @@ use asmotion_coordinator::Binding;
 use asmotion_diagnostics::{Sources, Span};
 
 use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
-use crate::component_list::ComponentList;
 use crate::connection_list::ConnectionList;
 use crate::plan::{Plan, PropertyValues};
-use asmotion_composite::Context;
 use asmotion_composite::check::endpoints::Endpoints;
 use asmotion_composite::check::{self, Faces};
 use asmotion_composite::family::{Family, Member};
@@ -31,6 +29,7 @@ use asmotion_composite::scope::{OutsideSettings, PropertyScope, SubstitutionNote
 use asmotion_composite::table::Resolver;
 use asmotion_composite::types::Types;
 use asmotion_composite::value::SettingValue;
+use asmotion_composite::{Context, NamedList};
 
 /// Inputs of the planner.
 pub(crate) struct Parts<'p> {
@@ -74,7 +73,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         brokers: Vec::new(),
         gateways: Vec::new(),
         bridges: Vec::new(),
-        components: ComponentList::default(),
+        components: NamedList::default(),
         topics: Vec::new(),
         connections: ConnectionList::default(),
         wires: Vec::new(),
