@@ -137,7 +137,7 @@ impl CalledOperation {
     ) {
         for request in cycle.cancelled(self.served).to_vec() {
             if self.open.remove(&request).is_some() {
-                caller.cancel(request.0);
+                caller.give_up(request.0);
             }
         }
         // before new requests: an operation that cancels does not meet a goal of the same cycle

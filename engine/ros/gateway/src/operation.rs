@@ -86,6 +86,11 @@ pub trait OperationCaller: Send {
     /// [`take`](Self::take).
     fn cancel(&mut self, call: CallNumber);
 
+    /// As [`cancel`](Self::cancel), for a call whose caller does not wait any longer. It may be about to make another one in its place.
+    fn give_up(&mut self, call: CallNumber) {
+        self.cancel(call);
+    }
+
     /// Takes what has become of the calls. A call ends once.
     fn take(&mut self) -> Vec<CallProgress>;
 

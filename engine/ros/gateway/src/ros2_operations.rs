@@ -26,6 +26,9 @@ const ACCEPTANCE: Duration = Duration::from_secs(5);
 const ABSENCE: Duration = Duration::from_secs(2);
 /// Time in which a server replaces a goal by the next one.
 const REPLACEMENT: Duration = Duration::from_secs(1);
+/// Time in which the next goal of a caller follows after it has given up one. Both leave the caller in the same cycle, but the bridge can
+/// run between them.
+const SUCCESSION: Duration = Duration::from_millis(20);
 /// Longest goal. Callers with a deadline cancel theirs before.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 /// Interval at which states are checked of which nothing wakes the bridge.
@@ -154,6 +157,8 @@ pub(crate) struct Ros2GoalCaller {
     goals: BTreeMap<CallNumber, Goal>,
     /// Goals to be cancelled: at once, or when their server has accepted them.
     cancelled: BTreeSet<CallNumber>,
+    /// Goals that their callers have given up, with the time; the next goal can replace them.
+    given_up: BTreeMap<CallNumber, Instant>,
     replaced: Vec<Replaced>,
     /// Since when no server has been seen although goals are under way.
     absent: Option<Instant>,
@@ -186,6 +191,7 @@ impl Ros2GoalCaller {
             waiting: Vec::new(),
             goals: BTreeMap::new(),
             cancelled: BTreeSet::new(),
+            given_up: BTreeMap::new(),
             replaced: Vec::new(),
             absent: None,
             ends: Vec::new(),
@@ -200,6 +206,13 @@ impl Ros2GoalCaller {
             self.goals.insert(it.call, goal);
             last = Some(it.call);
         }
+        self.given_up.retain(|call, since| {
+            let is_due = last.is_some() || since.elapsed() >= SUCCESSION;
+            if is_due {
+                self.cancelled.insert(*call);
+            }
+            !is_due
+        });
         for call in std::mem::take(&mut self.cancelled) {
             let Some(mut goal) = self.goals.remove(&call) else {
                 continue;
@@ -292,7 +305,16 @@ impl OperationCaller for Ros2GoalCaller {
             let detail = "cancelled before a server was found";
             self.ends.push(ended(call, RECALLED, detail));
         } else {
+            self.given_up.remove(&call);
             self.cancelled.insert(call);
+        }
+    }
+
+    fn give_up(&mut self, call: CallNumber) {
+        if self.goals.contains_key(&call) {
+            self.given_up.entry(call).or_insert_with(Instant::now);
+        } else {
+            self.cancel(call);
         }
     }
 
@@ -310,7 +332,12 @@ impl OperationCaller for Ros2GoalCaller {
             && self.goals.is_empty()
             && self.replaced.is_empty()
             && self.ends.is_empty();
-        (!is_idle).then_some(CHECK)
+        let check = if self.given_up.is_empty() {
+            CHECK
+        } else {
+            SUCCESSION
+        };
+        (!is_idle).then_some(check)
     }
 }
 
