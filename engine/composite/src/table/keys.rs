@@ -37,7 +37,7 @@ pub(crate) struct Reader<'t> {
     shared: Vec<SharedValue>,
 }
 
-/// What has been read from a table that several instances share.
+/// A value read from a table that several instances share.
 struct SharedValue {
     entries: Entries,
     value: Arc<dyn Any + Send + Sync>,
