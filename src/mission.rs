@@ -102,7 +102,7 @@ pub struct Mission {
     /// Recording of the run.
     pub recording: RecordingRequest,
     /// Whether the receiver of events uses the story, and all steps as text (default: `true`). If not, and nobody else does, most steps come as
-    /// their numbers ([`BRIEF_STEP_REPORT`](asmotion_coordinator::BRIEF_STEP_REPORT)), which takes less time.
+    /// their numbers ([`BRIEF_STEP_REPORT`]), which takes less time.
     pub tells_steps: bool,
     /// Receives what the verification before the start finds, if the composite starts all the same; by default, it is printed as
     /// a warning on standard error.
