@@ -4,7 +4,7 @@ use asmotion_coordinator::CoordinatorStatus;
 use asmotion_datum::Datum;
 use std::collections::BTreeMap;
 
-use crate::brief::brief;
+use asmotion_story::brief::brief;
 
 /// The control state of a coordinator, as in `mode = FOLLOWING`, or those of its agents, as in `IDLE ×2, RUN ×1`; `None` for other
 /// components.

@@ -5,7 +5,6 @@
 
 mod app;
 mod bridges;
-mod brief;
 mod broker;
 mod build;
 #[cfg(feature = "ros")]
@@ -37,7 +36,6 @@ mod ros_domain;
 #[cfg(feature = "ros")]
 mod ros_host;
 mod show;
-pub mod story;
 mod supervisor;
 mod table;
 mod terminal;

@@ -52,7 +52,7 @@ use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
 
-use crate::story::{Story, Summary};
+use asmotion_story::{SharedStory, Story, Summary};
 use crate::terminal::print_warning;
 use dashboard::OpenDashboard;
 use end_condition::{EndCondition, SLICE, awaited_updates};
@@ -318,12 +318,12 @@ impl Mission {
         } else {
             story.silent()
         };
-        let story = Arc::new(Mutex::new(story));
+        let story = SharedStory::new(story);
         let reports = self.used_reports(&watch);
         let watch = Arc::new(Mutex::new(watch));
         let (listener, watcher) = (story.clone(), watch.clone());
         let observer = move |at: Time, event: &Event<'_>| {
-            let line = lock(&listener).report(at, event);
+            let line = listener.report(at, event);
             on_event(at, event, line.as_deref());
             if end_condition::concerns(event) {
                 lock(&watcher).observe(at, event);
@@ -399,7 +399,7 @@ impl Mission {
         }
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
-        let mut summary = lock(&story).summary().clone();
+        let mut summary = story.summary();
         let statuses = FinalStatuses::of(&successor.running().plan, &mut *run);
         for (component, state) in statuses.control_states() {
             summary.add_final_control_state(component, &state);
@@ -435,7 +435,7 @@ impl Mission {
             failed,
             lost,
             refused,
-            last_changes: lock(&story).last_changes(),
+            last_changes: story.last_changes(),
             unsuitable,
             stalled,
             recording,
@@ -482,7 +482,7 @@ impl Mission {
         &self,
         run: &mut dyn Run,
         director: &mut dyn Director,
-        (watch, story): (&Mutex<EndCondition>, &Mutex<Story>),
+        (watch, story): (&Mutex<EndCondition>, &SharedStory),
         stop: &AtomicBool,
         (contacts, bridges, dashboard, recorder): (
             &mut [ProcessContact<'_>],
@@ -528,7 +528,7 @@ impl Mission {
                     contact.process_orders(run);
                 }
                 lock(watch).follow(&version.plan, &version.part);
-                lock(story).follow(&version.plan);
+                story.follow(&version.plan);
                 if let Some(dashboard) = dashboard {
                     dashboard.follow(version);
                 }

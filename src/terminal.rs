@@ -5,8 +5,8 @@ use std::io::Write;
 use std::sync::OnceLock;
 
 use anstream::ColorChoice;
-use anstyle::{AnsiColor, Style as Ansi};
 use asmotion_lang::{Report, Severity, Sources, Style};
+pub use asmotion_story::style::{BAD, FAINT, GOOD, NAME, NOTE};
 use clap::ValueEnum;
 
 use crate::output_queue::OutputQueue;
@@ -22,17 +22,6 @@ pub enum Colour {
     /// Never
     Never,
 }
-
-/// Colours by meaning. Colour is never the only carrier of information.
-pub const GOOD: Ansi = AnsiColor::Green.on_default().bold();
-/// See [`GOOD`].
-pub const BAD: Ansi = AnsiColor::Red.on_default().bold();
-/// See [`GOOD`].
-pub const NOTE: Ansi = AnsiColor::Yellow.on_default();
-/// See [`GOOD`].
-pub const NAME: Ansi = AnsiColor::Cyan.on_default();
-/// See [`GOOD`].
-pub const FAINT: Ansi = Ansi::new().dimmed();
 
 /// The queues of both standard streams, once a command has asked for them with [`never_wait`].
 static QUEUES: OnceLock<OutputQueues> = OnceLock::new();

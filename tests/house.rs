@@ -78,6 +78,8 @@ const FLOORS: &[&[&str]] = &[
     &[COMPONENTS],
     &["asmotion-world"],
     &["asmotion-components"],
+    // missions, for people
+    &["asmotion-story"],
     // the front door
     &["asmotion"],
     // tests of all wings, and maintenance tasks

@@ -1,6 +1,6 @@
 //! `asmotion doctor`: diagnoses a broker.
 
-use crate::brief::brief;
+use asmotion_story::brief::brief;
 use crate::broker::{BrokerArguments, BrokerSettings};
 use crate::build::Build;
 use crate::exit::Exit;

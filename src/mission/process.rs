@@ -155,7 +155,8 @@ impl Mission {
             return None;
         }
         let plan = opened.plan(self.profile.as_deref());
-        plan.filter(|plan| plan.missing.is_empty()).map(f)
+        let plan = plan.filter(|plan| plan.missing.is_empty());
+        plan.map(|plan| f(plan))
     }
 
     /// Rejects systems outside that the clock and the brokers of the mission do not reach.
@@ -361,7 +362,7 @@ impl Mission {
     pub(super) fn version_switch<'m>(
         &'m self,
         path: &'m str,
-        plan: &Plan,
+        plan: &Arc<Plan>,
         part: &Part,
         connected: &'m [ConnectedBroker],
     ) -> Result<VersionSwitch<'m>, MissionError> {

@@ -59,7 +59,7 @@ impl<'m> VersionSwitch<'m> {
     pub(super) fn new(
         mission: &'m Mission,
         path: &'m str,
-        plan: &Plan,
+        plan: &Arc<Plan>,
         part: &Part,
         buses: &'m [ConnectedBroker],
     ) -> Result<Self, BusError> {
@@ -224,13 +224,13 @@ impl<'m> VersionSwitch<'m> {
 
 fn version_of(
     mission: &Mission,
-    plan: &Plan,
+    plan: &Arc<Plan>,
     part: Part,
     loader: Arc<dyn Loader + Send + Sync>,
 ) -> Version {
     let catalogue = mission.build.shared_catalogue();
     let options = mission.coordinator_options(plan);
-    Version::new(plan.clone(), part, catalogue, loader, options)
+    Version::new(Arc::clone(plan), part, catalogue, loader, options)
 }
 
 /// Why a composite with these profiles is not a version of what runs, and what to do.

@@ -16,7 +16,7 @@ use super::board::{BoardComponent, BoardTopic};
 use super::list_table::joints;
 use super::view::{Pane, seconds};
 use super::{Board, View, fold};
-use crate::brief::brief;
+use asmotion_story::brief::brief;
 use crate::inspection;
 
 /// Height of a table without rows: two borders and the head.

@@ -2,7 +2,7 @@
 
 use asmotion_datum::Datum;
 
-use crate::brief::{MOST, brief};
+use asmotion_story::brief::{MOST, brief};
 
 /// A table of lists.
 #[derive(Debug, PartialEq)]

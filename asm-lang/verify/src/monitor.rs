@@ -296,7 +296,10 @@ impl Monitors {
             return self.forget_values();
         }
         let (state, program) = (machine.state(), machine.program());
-        for update in step.updates() {
+        for (update, before) in step.updates().iter().zip(step.before()) {
+            if update.value == *before {
+                continue;
+            }
             let Some(function) = state.function(program, update.slot) else {
                 continue;
             };

@@ -72,7 +72,7 @@ fn findings(text: &str) -> String {
     crate::render::report(&opened.sources, &opened.report)
 }
 
-fn plan(text: &str) -> Plan {
+fn plan(text: &str) -> Arc<Plan> {
     let opened = open(text);
     let said = crate::render::report(&opened.sources, &opened.report);
     opened

@@ -117,6 +117,11 @@ impl Family {
         self.members.get(path)
     }
 
+    /// The model of the outermost composite; `None` if it could not be read.
+    pub fn into_root(mut self) -> Option<Composite> {
+        self.members.remove(&self.root).map(|it| it.composite)
+    }
+
     /// Iterates over the composite files in order of their paths.
     pub fn members(&self) -> impl Iterator<Item = (&str, &Member)> {
         self.members

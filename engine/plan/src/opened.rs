@@ -1,6 +1,7 @@
 //! Loading, checking and planning of a composite.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::Schema;
@@ -32,7 +33,7 @@ pub struct Opened {
     pub composite: Option<Composite>,
     /// Profile names in ascending order; empty if the composite has none.
     pub profiles: Vec<String>,
-    plans: Vec<(Option<String>, Plan)>,
+    plans: Vec<(Option<String>, Arc<Plan>)>,
 }
 
 impl Opened {
@@ -42,8 +43,8 @@ impl Opened {
     }
 
     /// Returns the plan of a profile; pass `None` if the composite has no profiles. Returns `None` if the profile is
-    /// unknown or has errors.
-    pub fn plan(&self, profile: Option<&str>) -> Option<&Plan> {
+    /// unknown or has errors. Those who keep a plan share it.
+    pub fn plan(&self, profile: Option<&str>) -> Option<&Arc<Plan>> {
         let found = self
             .plans
             .iter()
@@ -115,15 +116,12 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         if let Some(mut plan) = plan.filter(|_| !broken && !notes.report.has_errors()) {
             plan.types = schemas(&plan, &types);
             plan.interfaces = interfaces(&plan, &family, build);
-            plans.push((profile.map(str::to_owned), plan));
+            plans.push((profile.map(str::to_owned), Arc::new(plan)));
         }
         outside |= notes.outside;
         found.push((profile, notes.report));
     }
     report.extend(merge(found));
-    let composite = family
-        .member(&family.root)
-        .map(|member| member.composite.clone());
     let files = family.members().flat_map(|(_, member)| {
         let files = member.composite.head.types.iter();
         files
@@ -131,13 +129,15 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
             .map(str::to_owned)
     });
     let files: BTreeSet<String> = files.collect();
+    let report = family.combine_instances(report).finish();
+    let path = family.root.clone();
     Opened {
         sources,
-        report: family.combine_instances(report).finish(),
+        report,
         outside,
-        path: family.root.clone(),
+        path,
         type_files: files.into_iter().collect(),
-        composite,
+        composite: family.into_root(),
         profiles,
         plans,
     }

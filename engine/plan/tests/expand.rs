@@ -123,7 +123,7 @@ fn expansions(folder: &str, file: &str) -> Vec<String> {
         assert_eq!(expand(&again, plan), text, "{file}");
         text
     };
-    plans.map(expand_again).collect()
+    plans.map(|plan| expand_again(plan)).collect()
 }
 
 #[test]

@@ -11,7 +11,7 @@ use asmotion_runtime::Event;
 use serde_json::json;
 
 use crate::mission::{MissionEnd, MissionOutcome, RecordingResult, StalledCoordinator};
-use crate::story::{EventCounts, RobotSummary, Summary};
+use asmotion_story::{EventCounts, RobotSummary, Summary};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
 
 pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {

@@ -126,7 +126,8 @@ impl Verify {
 
     fn plan<'o>(&self, opened: &'o Opened) -> Result<&'o Plan, String> {
         let profile = self.composite.profile.as_deref();
-        opened.plan(profile).ok_or_else(|| {
+        let plan = opened.plan(profile).map(|plan| &**plan);
+        plan.ok_or_else(|| {
             let known = opened.profiles.join("`, `");
             match profile {
                 Some(profile) if known.is_empty() => {

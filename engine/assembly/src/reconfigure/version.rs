@@ -16,7 +16,7 @@ use crate::start::{self, CoordinatorOptions, Standard, Workshop};
 #[derive(Clone)]
 pub struct Version {
     /// The plan of the version.
-    pub plan: Plan,
+    pub plan: Arc<Plan>,
     /// The part of the plan that runs in this process.
     pub part: Part,
     catalogue: Arc<dyn Catalogue + Send + Sync>,
@@ -37,12 +37,13 @@ pub type Clients = Arc<
 impl Version {
     /// Reads the specifications of a part of a plan. Catalogue, loader and options are those of [`Standard`].
     pub fn new(
-        plan: Plan,
+        plan: impl Into<Arc<Plan>>,
         part: Part,
         catalogue: Arc<dyn Catalogue + Send + Sync>,
         loader: Arc<dyn Loader + Send + Sync>,
         coordinators: CoordinatorOptions,
     ) -> Self {
+        let plan = plan.into();
         let here = plan.components.iter().filter(|it| part.has(&it.name));
         // many components have the same specification
         let mut known: BTreeMap<&str, Vec<Arc<str>>> = BTreeMap::new();

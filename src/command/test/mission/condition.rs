@@ -4,7 +4,7 @@ use std::fmt;
 
 use asmotion_datum::Datum;
 
-use crate::brief::brief;
+use asmotion_story::brief::brief;
 use crate::codes::v032::InvalidRunCondition;
 
 /// The result of reading or resolving a part of a condition.

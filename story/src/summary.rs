@@ -33,8 +33,6 @@ pub struct Summary {
     pub collisions: u64,
     /// Faults of components, as "component: fault".
     pub faults: Vec<String>,
-    /// Time of the last event; `None` before the first.
-    pub end_time: Option<Time>,
 }
 
 /// Largest number of names that are counted apart: names come from outside.
@@ -126,7 +124,7 @@ impl Summary {
     }
 
     /// Adds the control state of a coordinator at the end; that of its last step takes precedence.
-    pub(crate) fn add_final_control_state(&mut self, component: &str, state: &str) {
+    pub fn add_final_control_state(&mut self, component: &str, state: &str) {
         if !self.control_states.contains_key(component) {
             self.set_control_state(component, state);
         }

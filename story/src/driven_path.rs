@@ -4,7 +4,7 @@ use asmotion_component::Time;
 use asmotion_datum::Sample;
 use asmotion_messages::{Odometry, Point, PoseStamped};
 
-use crate::terminal::FAINT;
+use crate::style::FAINT;
 
 /// Interval between reports of progress, in seconds of the run.
 const PROGRESS_S: f64 = 5.0;

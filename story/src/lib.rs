@@ -4,6 +4,7 @@
 //! which events are worth reporting: inputs of its specifications, calls of services, motion. Maps, paths, goals and
 //! odometry are recognised by their standard ROS messages, collisions by `nav/Event`; no component, topic or robot is named here.
 
+pub mod brief;
 mod driven_path;
 mod input;
 mod limit;
@@ -11,13 +12,14 @@ mod losses;
 mod message;
 mod repeats;
 mod robot;
+mod shared;
 mod step;
+pub mod style;
 mod summary;
-#[cfg(test)]
-mod tests;
 
 pub use driven_path::DrivenPath;
 pub use robot::{RobotSummary, Robots};
+pub use shared::SharedStory;
 pub use summary::{EventCounts, Summary};
 
 use std::collections::BTreeMap;
@@ -38,7 +40,7 @@ use self::input::{StoryInput, StoryInputs};
 use self::limit::StoryLimit;
 use self::losses::{LossPlace, OngoingLosses};
 use self::repeats::RepeatedEntries;
-use crate::terminal::{BAD, FAINT, NAME, NOTE};
+use crate::style::{BAD, FAINT, NAME, NOTE};
 
 /// Turns the events of a run into lines.
 #[derive(Debug, Default)]
@@ -147,7 +149,6 @@ impl Story {
 
     /// Handles an event. Returns the lines to print, which are usually none.
     pub fn report(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
-        self.summary.end_time = Some(at);
         let entry = self.entry(at, event);
         if self.is_silent {
             return None;

@@ -6,7 +6,7 @@ use asmotion_coordinator::{StepRecord, UpdateRecord};
 
 use super::StoryEntry;
 use super::summary::control;
-use crate::terminal::{FAINT, GOOD};
+use crate::style::{FAINT, GOOD};
 
 /// The entry for a step: with all updates if the control state changes, otherwise on one line.
 pub(super) fn entry(component: &str, record: &StepRecord) -> StoryEntry {

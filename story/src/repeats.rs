@@ -6,7 +6,7 @@ use std::time::Duration;
 use asmotion_component::Time;
 
 use super::StoryEntry;
-use crate::terminal::FAINT;
+use crate::style::FAINT;
 
 /// An entry that repeats sooner than this is only counted.
 const SOON: Duration = Duration::from_secs(1);

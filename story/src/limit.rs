@@ -3,7 +3,7 @@
 use asmotion_component::Time;
 use asmotion_plan::Plan;
 
-use crate::terminal::FAINT;
+use crate::style::FAINT;
 
 /// Number of components from which on the story is limited.
 const MANY: usize = 50;
