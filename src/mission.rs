@@ -52,8 +52,8 @@ use crate::build::Build;
 use crate::files::DiskLoader;
 use crate::programs::{ProcessChoice, ProgramsHere};
 
-use asmotion_story::{SharedStory, Story, Summary};
 use crate::terminal::print_warning;
+use asmotion_story::{SharedStory, Story, Summary};
 use dashboard::OpenDashboard;
 use end_condition::{EndCondition, SLICE, awaited_updates};
 use recording::{MissionRecorder, RecordedMission};
@@ -557,7 +557,7 @@ impl Mission {
                 matches!(self.clock, MissionClock::Virtual(speed) if speed <= 0.0);
             let stops_at_steps = !as_fast_as_possible || lock(watch).depends_on_steps();
             run.run_until_event_among(until, ReportInterest::NONE, &mut |at, event| {
-                let stops = stops_at_steps || limit.is_some_and(|limit| at >= limit);
+                let stops = || stops_at_steps || limit.is_some_and(|limit| at >= limit);
                 is_notable(event, stops) || director.is_due(at)
             });
         }
@@ -612,11 +612,11 @@ impl Mission {
 
 /// Returns whether an event can end the run. The record of a cycle cannot: a run takes the same course whether it is recorded or
 /// not. Nor does it depend on what a report says, which may be brief. `stops_at_steps` says whether a step can end it.
-fn is_notable(event: &Event<'_>, stops_at_steps: bool) -> bool {
+fn is_notable(event: &Event<'_>, stops_at_steps: impl FnOnce() -> bool) -> bool {
     match event {
         Event::Report { kind, .. } => match *kind {
             RECORDED_CYCLE_REPORT => false,
-            STEP_REPORT | BRIEF_STEP_REPORT => stops_at_steps,
+            STEP_REPORT | BRIEF_STEP_REPORT => stops_at_steps(),
             _ => true,
         },
         Event::Fault { .. } => true,

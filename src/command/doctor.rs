@@ -1,6 +1,5 @@
 //! `asmotion doctor`: diagnoses a broker.
 
-use asmotion_story::brief::brief;
 use crate::broker::{BrokerArguments, BrokerSettings};
 use crate::build::Build;
 use crate::exit::Exit;
@@ -11,6 +10,7 @@ use asmotion_bus::{
 };
 use asmotion_datum::{Datum, Message};
 use asmotion_remote::{PresentComponent, Remote, RobotPresence};
+use asmotion_story::brief::brief;
 use clap::Args;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::num::NonZeroUsize;

@@ -16,8 +16,8 @@ use super::board::{BoardComponent, BoardTopic};
 use super::list_table::joints;
 use super::view::{Pane, seconds};
 use super::{Board, View, fold};
-use asmotion_story::brief::brief;
 use crate::inspection;
+use asmotion_story::brief::brief;
 
 /// Height of a table without rows: two borders and the head.
 const TABLE_FRAME: u16 = 3;

@@ -405,11 +405,13 @@ impl EffectOutbox {
             match &out.effect {
                 BoundEffect::Publish(published) => {
                     let members = self.messages.get(position).into_iter().flatten();
-                    let members: Vec<&BoundOutput> =
-                        members.filter_map(|it| self.outputs.get(*it)).collect();
-                    if members.iter().any(|it| it.is_due(after)) {
+                    let mut members = members.filter_map(|it| self.outputs.get(*it));
+                    if members.clone().any(|it| it.is_due(after)) {
+                        let (message, has_undef) = message_with(published, &mut members, after);
+                        // undef is null in a field of any type: a reader takes it as no value
+                        let written = if has_undef { &[][..] } else { &self.written };
                         let record = (&*self.recorded, &mut self.published);
-                        publish_values(published, &members, &self.written, record, after, cycle);
+                        publish(published.port, message, written, record, cycle);
                     }
                 }
                 BoundEffect::Literals(cases) => {
@@ -628,28 +630,23 @@ fn literal(
 /// The output ports that the binding refers to, and the newest messages published on them.
 type PublicationRecord<'r> = (&'r [(String, Out<Datum>)], &'r mut BTreeMap<String, Datum>);
 
-/// Publishes the message with the values that these outputs have after a step.
-fn publish_values(
+/// The message with the values of out locations, and whether one of them is undef.
+fn message_with<'o>(
     published: &PublishedValue,
-    outputs: &[&BoundOutput],
-    written: &[WrittenPort],
-    record: PublicationRecord<'_>,
+    outputs: &mut dyn Iterator<Item = &'o BoundOutput>,
     after: &AfterStep<'_>,
-    cycle: &mut Cycle<'_>,
-) {
+) -> (Datum, bool) {
     let (state, naming) = (after.machine.state(), after.machine.naming());
-    let values = outputs.iter().filter_map(|output| {
+    let mut has_undef = false;
+    let values = outputs.filter_map(|output| {
         let field = output.published()?.field.as_deref();
         let slot = output.slot(after);
         let value = slot.map_or(Datum::Null, |slot| datum_of(state.get(slot), &naming));
+        has_undef |= value.is_null();
         Some((field, value))
     });
-    let values: Vec<(Option<&str>, Datum)> = values.collect();
-    // undef is null in a field of any type: a reader takes it as no value
-    let has_undef = values.iter().any(|(_, value)| value.is_null());
-    let written = if has_undef { &[] } else { written };
     let message = message_of(values, &published.key);
-    publish(published.port, message, written, record, cycle);
+    (message, has_undef)
 }
 
 /// Publishes a message, and records it if the binding refers to the port. A message that does not fit the type of the port is

@@ -54,8 +54,12 @@ pub(crate) fn messages(outputs: &[Option<&PublishedValue>]) -> Vec<Vec<usize>> {
 }
 
 /// The message with values in fields, or with one value as a whole, and with the fields of a key.
-pub(crate) fn message_of(values: Vec<(Option<&str>, Datum)>, key: &[(String, Datum)]) -> Datum {
-    let mut fields = Vec::new();
+pub(crate) fn message_of<'f>(
+    values: impl Iterator<Item = (Option<&'f str>, Datum)>,
+    key: &[(String, Datum)],
+) -> Datum {
+    // most messages have one value, and wait in queues of many
+    let mut fields = Vec::with_capacity(key.len() + 1);
     for (path, element) in key {
         insert(&mut fields, path, element.clone());
     }

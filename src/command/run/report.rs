@@ -11,8 +11,8 @@ use asmotion_runtime::Event;
 use serde_json::json;
 
 use crate::mission::{MissionEnd, MissionOutcome, RecordingResult, StalledCoordinator};
-use asmotion_story::{EventCounts, RobotSummary, Summary};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, TerminalOutput};
+use asmotion_story::{EventCounts, RobotSummary, Summary};
 
 pub(super) fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
     let t = at.seconds();

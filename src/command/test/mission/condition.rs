@@ -4,8 +4,8 @@ use std::fmt;
 
 use asmotion_datum::Datum;
 
-use asmotion_story::brief::brief;
 use crate::codes::v032::InvalidRunCondition;
+use asmotion_story::brief::brief;
 
 /// The result of reading or resolving a part of a condition.
 pub(super) type ConditionResult<T> = Result<T, Box<InvalidRunCondition>>;
