@@ -1,6 +1,6 @@
 //! The command line of asmotion: one file for each command, and their shared parts.
 //!
-//! This is the only crate that prints. [`mission`] assembles and runs a composite; [`story`] prints its events, [`trace`]
+//! This is the only crate that prints. [`mission`] assembles and runs a composite; [`asmotion_story`] tells its events, [`trace`]
 //! writes them to a file.
 
 mod app;

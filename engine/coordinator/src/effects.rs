@@ -631,9 +631,9 @@ fn literal(
 type PublicationRecord<'r> = (&'r [(String, Out<Datum>)], &'r mut BTreeMap<String, Datum>);
 
 /// The message with the values of out locations, and whether one of them is undef.
-fn message_with<'o>(
+fn message_with(
     published: &PublishedValue,
-    outputs: &mut dyn Iterator<Item = &'o BoundOutput>,
+    outputs: &mut dyn Iterator<Item = &BoundOutput>,
     after: &AfterStep<'_>,
 ) -> (Datum, bool) {
     let (state, naming) = (after.machine.state(), after.machine.naming());
