@@ -145,18 +145,44 @@ struct Declarations<'a> {
     opened: &'a Opened,
     plan: &'a Plan,
     components: Vec<Option<Declaration>>,
+    /// Programs of the specifications with services, by file; `None` if one cannot be read.
+    programs: BTreeMap<&'a str, Option<Arc<Program>>>,
 }
 
 impl<'a> Declarations<'a> {
     fn of(catalogue: &'a dyn Catalogue, opened: &'a Opened, plan: &'a Plan) -> Self {
-        let components = plan.components.iter();
+        let mut builtins =
+            |component: &Component, plan: &Plan| bridges::make(catalogue, component, plan);
+        // reads each specification once
+        let workshop = Standard::new(catalogue, &DiskLoader, CoordinatorOptions::seeded(0));
+        let mut workshop = workshop.with_builtins(&mut builtins);
+        let (mut components, mut programs) = (Vec::new(), BTreeMap::new());
+        for component in &plan.components {
+            components.push(declaration(&mut workshop, component, plan));
+            if let Implementation::Asm { file, .. } = &component.implementation
+                && !component.services.is_empty()
+            {
+                programs.entry(&**file).or_insert_with(|| program(file));
+            }
+        }
         Self {
             catalogue,
             opened,
             plan,
-            components: components
-                .map(|component| declaration(catalogue, component, plan))
-                .collect(),
+            components,
+            programs,
+        }
+    }
+
+    /// The program of a component that runs a specification.
+    fn program(&self, component: &Component) -> Option<&Program> {
+        match &component.implementation {
+            Implementation::Asm { file, .. } => self.programs.get(&**file)?.as_deref(),
+            Implementation::Rust(_)
+            | Implementation::Builtin { .. }
+            | Implementation::Process { .. }
+            | Implementation::Ros { .. }
+            | Implementation::Orocos { .. } => None,
         }
     }
 
@@ -278,7 +304,7 @@ impl<'a> Declarations<'a> {
                 })
                 .collect(),
         };
-        let program = program(component);
+        let program = self.program(component);
         let mut served = Vec::new();
         for (name, interface, operations) in services {
             let service = End {
@@ -286,7 +312,7 @@ impl<'a> Declarations<'a> {
                 name: name.clone(),
             };
             served.extend(operations.into_iter().map(|operation| {
-                let types = program.as_ref().map(|program| {
+                let types = program.map(|program| {
                     self.types_of_operation(
                         component,
                         program,
@@ -388,24 +414,17 @@ impl<'a> Declarations<'a> {
     }
 }
 
-/// The program of a component that runs a specification.
-fn program(component: &Component) -> Option<Arc<Program>> {
-    let Implementation::Asm { file, .. } = &component.implementation else {
-        return None;
-    };
+/// The program of a specification.
+fn program(file: &str) -> Option<Arc<Program>> {
     Some(asmotion_lang::open(file, &DiskLoader).ok()?.program)
 }
 
 /// The declaration of a component; `None` if this binary cannot create it, for example a ROS node.
 fn declaration(
-    catalogue: &dyn Catalogue,
+    workshop: &mut dyn Workshop,
     component: &Component,
     plan: &Plan,
 ) -> Option<Declaration> {
-    let mut builtins =
-        |component: &Component, plan: &Plan| bridges::make(catalogue, component, plan);
-    let workshop = Standard::new(catalogue, &DiskLoader, CoordinatorOptions::seeded(0));
-    let mut workshop = workshop.with_builtins(&mut builtins);
     let make = workshop.make(component, plan).ok()?;
     let mut scratch = Interface::new();
     make(&mut scratch).ok()?;

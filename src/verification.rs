@@ -8,12 +8,13 @@ use asmotion_lang::value::Atom;
 use asmotion_lang::{Loader, ReadOptions, Report, Sources, Span, Style, Value, render_all};
 use asmotion_plan::{Component, Implementation, Plan};
 use asmotion_verification::{
-    ComponentModel, ModelContext, ModelError, ModelledEnvironment, component_model,
+    ComponentModel, ModelContext, ModelError, ModelledEnvironment, canonical_model, component_model,
 };
 use asmotion_verify::{
     Limits, MessageLink, Note, Options, PropertyKind, Run, SystemSpecification, Verdict,
     Verification, state_constraints, verify,
 };
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 /// Returns the specification of a component together with its environment.
@@ -36,6 +37,65 @@ pub fn model(
     };
     component_model(&context, component)
 }
+
+/// Components that need one verification, because they and their environments differ in names of components only: the instances of an
+/// element, usually.
+pub struct AlikeComponents<'p> {
+    /// The first of them, which is verified.
+    pub component: &'p str,
+    /// The others.
+    pub others: Vec<&'p str>,
+}
+
+impl<'p> AlikeComponents<'p> {
+    /// Groups components in the order of the first of each group. A component without a model is alone.
+    pub fn among(
+        build: &Build,
+        plan: &Plan,
+        components: &[&'p str],
+        loader: &dyn Loader,
+    ) -> Vec<Self> {
+        let catalogue = build.catalogue();
+        let context = ModelContext {
+            plan,
+            loader,
+            protocols: &|name| catalogue.protocol(name),
+            options: ReadOptions::default(),
+        };
+        let mut groups: Vec<Self> = Vec::new();
+        let mut known: BTreeMap<String, usize> = BTreeMap::new();
+        for component in components {
+            let canonical = match components {
+                [_] => None,
+                _ => canonical_model(&context, component).ok(),
+            };
+            let next = groups.len();
+            let group = canonical.map_or(next, |it| *known.entry(it).or_insert(next));
+            match groups.get_mut(group) {
+                Some(group) => group.others.push(component),
+                None => groups.push(Self {
+                    component,
+                    others: Vec::new(),
+                }),
+            }
+        }
+        groups
+    }
+
+    /// The others in a few words; `None` if there are none.
+    pub fn others_in_words(&self) -> Option<String> {
+        let shown = self.others.get(..MOST_NAMED).unwrap_or(&self.others);
+        let names = shown.join(", ");
+        match self.others.len() - shown.len() {
+            0 if names.is_empty() => None,
+            0 => Some(names),
+            more => Some(format!("{names} and {more} more")),
+        }
+    }
+}
+
+/// Number of components that are named where others are only counted.
+const MOST_NAMED: usize = 3;
 
 /// Describes the reason for which there is no model of a component.
 pub fn describe(error: &ModelError) -> String {
@@ -63,7 +123,16 @@ pub fn components_with_properties(plan: &Plan) -> Vec<&Component> {
         let components = plan.components.iter();
         components.filter(|it| matches!(it.implementation, Implementation::Asm { .. }))
     };
-    let with_properties: Vec<&Component> = specified().filter(|it| has_properties(it)).collect();
+    // many components have the same specification
+    let mut known: BTreeMap<&str, bool> = BTreeMap::new();
+    let mut with_properties = Vec::new();
+    for component in specified() {
+        if let Implementation::Asm { file, .. } = &component.implementation
+            && *known.entry(file).or_insert_with(|| has_properties(file))
+        {
+            with_properties.push(component);
+        }
+    }
     if with_properties.is_empty() {
         specified().collect()
     } else {
@@ -71,10 +140,7 @@ pub fn components_with_properties(plan: &Plan) -> Vec<&Component> {
     }
 }
 
-fn has_properties(component: &Component) -> bool {
-    let Implementation::Asm { file, .. } = &component.implementation else {
-        return false;
-    };
+fn has_properties(file: &str) -> bool {
     let opened = asmotion_lang::open(file, &DiskLoader);
     opened.is_ok_and(|it| !it.model.invariants.is_empty() || !it.model.properties.is_empty())
 }
@@ -222,19 +288,23 @@ pub struct StartVerification {
     pub findings: Vec<String>,
 }
 
-/// Verifies the properties of a component that its key `verify` selects.
+/// Verifies the properties of components that their key `verify`, which is the same for all of them, selects.
 pub fn before_start(
     build: &Build,
     plan: &Plan,
-    component: &Component,
+    components: &AlikeComponents<'_>,
     keys: &PlannedVerify,
     loader: &dyn Loader,
 ) -> StartVerification {
-    let name = &component.name;
-    let not_possible = |reason: String| StartVerification {
-        findings: vec![format!("`{name}` cannot be verified: {reason}")],
+    let name = match components.others_in_words() {
+        None => format!("`{}`", components.component),
+        Some(others) => format!("`{}` (and of {others})", components.component),
     };
-    let found = model(build, plan, name, loader, ReadOptions::default());
+    let not_possible = |reason: String| StartVerification {
+        findings: vec![format!("{name} cannot be verified: {reason}")],
+    };
+    let options = ReadOptions::default();
+    let found = model(build, plan, components.component, loader, options);
     let ComponentModel {
         mut specification,
         environment,
@@ -259,7 +329,7 @@ pub fn before_start(
     let stated = &mut specification.model;
     stated.properties.retain(|it| logic(it.logic));
     let options = Options {
-        checked_constraints: constraints_on_state(component, loader),
+        checked_constraints: constraints_on_state(&environment.file, loader),
         limits: Limits {
             states: keys.states,
             depth: keys.bound.and_then(|bound| u32::try_from(bound).ok()),
@@ -286,12 +356,12 @@ pub fn before_start(
     let findings = checked.filter_map(|it| match &it.verdict {
         Verdict::Holds(_) => None,
         Verdict::Violated(run) => Some(format!(
-            "`{}` of `{name}` is violated{}",
+            "`{}` of {name} is violated{}",
             it.text,
             run.as_ref().map_or_else(String::new, |run| in_lines(run))
         )),
         Verdict::Unknown => Some(format!(
-            "`{}` of `{name}` is not known to hold: {} within the limits of `verify`",
+            "`{}` of {name} is not known to hold: {} within the limits of `verify`",
             it.text,
             if it
                 .notes
@@ -309,11 +379,8 @@ pub fn before_start(
     }
 }
 
-/// The constraints of the specification of a component that are about its state alone.
-fn constraints_on_state(component: &Component, loader: &dyn Loader) -> Vec<String> {
-    let Implementation::Asm { file, .. } = &component.implementation else {
-        return Vec::new();
-    };
+/// The constraints of a specification that are about its state alone.
+fn constraints_on_state(file: &str, loader: &dyn Loader) -> Vec<String> {
     // in the model of the composite, inputs are functions that the environment updates
     let opened = asmotion_lang::open(file, loader);
     opened.map_or_else(
@@ -358,10 +425,18 @@ fn in_lines(run: &Run) -> String {
 
 /// Returns `true` if specifications of a composite exchange messages with partners.
 pub fn exchanges_messages(plan: &Plan) -> bool {
-    plan.components.iter().any(|component| {
-        let Implementation::Asm { file, .. } = &component.implementation else {
-            return false;
-        };
+    let files = plan
+        .components
+        .iter()
+        .filter_map(|it| match &it.implementation {
+            Implementation::Asm { file, .. } => Some(&**file),
+            Implementation::Rust(_)
+            | Implementation::Builtin { .. }
+            | Implementation::Process { .. }
+            | Implementation::Ros { .. }
+            | Implementation::Orocos { .. } => None,
+        });
+    files.collect::<BTreeSet<&str>>().into_iter().any(|file| {
         let opened = asmotion_lang::open(file, &DiskLoader);
         opened.is_ok_and(|it| !asmotion_lang::ir::message_uses(&it.model).is_empty())
     })

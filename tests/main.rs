@@ -64,6 +64,7 @@ mod ros_lent;
 mod ros_parameters;
 mod ros_versions;
 mod routes;
+mod rovers;
 mod safe;
 mod scenario;
 mod shell;

@@ -1,7 +1,7 @@
 //! Verification before the start: the key `verify` of components with a specification.
 
 use super::{Mission, MissionError};
-use crate::verification::before_start;
+use crate::verification::{AlikeComponents, before_start};
 use asmotion_composite::model::PlannedVerify;
 use asmotion_lang::{Loader, Report};
 use asmotion_plan::{Component, Part, Plan};
@@ -17,38 +17,44 @@ impl Mission {
         part: &Part,
         loader: &dyn Loader,
     ) -> Result<(), MissionError> {
-        for (component, keys) in demanding(plan) {
-            if !part.has(&component.name) {
-                continue;
-            }
-            let result = before_start(&self.build, plan, component, keys, loader);
-            if keys.refuse_start_on_failure && !result.findings.is_empty() {
-                return Err(MissionError::NotVerified(result.findings));
-            }
-            for finding in result.findings {
-                (self.notice)(&finding);
+        let mut rest: Vec<_> = demanding(plan).collect();
+        rest.retain(|(component, _)| part.has(&component.name));
+        while let Some((_, keys)) = rest.first().copied() {
+            let (same, others): (Vec<_>, Vec<_>) = rest.into_iter().partition(|it| it.1 == keys);
+            rest = others;
+            let names: Vec<&str> = same.iter().map(|(component, _)| &*component.name).collect();
+            for alike in AlikeComponents::among(&self.build, plan, &names, loader) {
+                let result = before_start(&self.build, plan, &alike, keys, loader);
+                if keys.refuse_start_on_failure && !result.findings.is_empty() {
+                    return Err(MissionError::NotVerified(result.findings));
+                }
+                for finding in result.findings {
+                    (self.notice)(&finding);
+                }
             }
         }
         Ok(())
     }
 }
 
-/// The components whose properties are verified before the start.
+/// The components whose properties are verified before the start, with the keys that say which.
 fn demanding(plan: &Plan) -> impl Iterator<Item = (&Component, &PlannedVerify)> {
     let components = plan.components.iter();
-    components.filter_map(|component| {
-        let keys = component.special.verify.as_ref()?;
-        let is_demanded = keys.ctl || keys.ltl || keys.invariants || keys.refuse_start_on_failure;
-        is_demanded.then_some((component, keys))
-    })
+    components.filter_map(|component| Some((component, demanded(component)?)))
+}
+
+/// The keys that say which properties of a component are verified before the start; `None` if it is not verified.
+fn demanded(component: &Component) -> Option<&PlannedVerify> {
+    let keys = component.special.verify.as_ref();
+    keys.filter(|it| it.ctl || it.ltl || it.invariants || it.refuse_start_on_failure)
 }
 
 /// Removes the warning about properties that no run can watch, if all specifications with a start in `plan` are verified.
 pub(super) fn without_verified(report: &mut Report, plan: &Plan) {
     let is_verified = |component: &Component| {
-        demanding(plan).any(|(it, keys)| {
+        demanded(component).is_some_and(|keys| {
             let all = !(keys.ctl || keys.ltl || keys.invariants);
-            it.name == component.name && (all || keys.ctl && keys.ltl)
+            all || keys.ctl && keys.ltl
         })
     };
     let specified = plan.components.iter().filter(|it| it.binding.is_some());

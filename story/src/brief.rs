@@ -44,3 +44,21 @@ pub fn brief(value: &Datum) -> String {
         Datum::Null | Datum::Bool(_) | Datum::Int(_) | Datum::Float(_) => value.to_string(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_number_has_an_exponent() {
+        for (number, text) in [(1e308, "1e308"), (-2.5e15, "-2.5e15"), (1e9, "1000000000")] {
+            assert_eq!(brief(&Datum::Float(number)), text);
+        }
+    }
+
+    #[test]
+    fn a_long_list_is_cut() {
+        let list = Datum::List(vec![Datum::Int(1); 40]);
+        assert!(brief(&list).ends_with("1, … 40 in all]"));
+    }
+}

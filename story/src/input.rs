@@ -6,7 +6,7 @@ use asmotion_coordinator::{Monitored, Receive, Source};
 use asmotion_datum::Sample;
 use asmotion_plan::{End, Plan, Terminal};
 
-use super::message;
+use crate::message;
 
 /// An input of a specification to which a monitored function is bound.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use asmotion_component::Time;
 
-use super::StoryEntry;
+use crate::entry::StoryEntry;
 use crate::style::FAINT;
 
 /// An entry that repeats sooner than this is only counted.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use asmotion_component::Time;
 use asmotion_messages::Point;
 
-use super::driven_path::{DrivenPath, distance};
-use super::summary::common;
+use crate::common::common;
+use crate::driven_path::{DrivenPath, distance};
 
 /// The robots of a composite. A robot is a nested composite whose components publish odometry, or the whole composite.
 ///

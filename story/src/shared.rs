@@ -6,7 +6,8 @@ use asmotion_component::Time;
 use asmotion_plan::Plan;
 use asmotion_runtime::Event;
 
-use super::{Story, Summary};
+use crate::story::Story;
+use crate::summary::Summary;
 
 /// A story that an observer of a run tells, and others read. Clones share it.
 #[derive(Clone, Debug)]

@@ -4,9 +4,9 @@ use std::fmt;
 
 use asmotion_coordinator::{StepRecord, UpdateRecord};
 
-use super::StoryEntry;
-use super::summary::control;
+use crate::entry::StoryEntry;
 use crate::style::{FAINT, GOOD};
+use crate::summary::control;
 
 /// The entry for a step: with all updates if the control state changes, otherwise on one line.
 pub(super) fn entry(component: &str, record: &StepRecord) -> StoryEntry {

@@ -8,9 +8,10 @@ use asmotion_coordinator::{CONTROL_STATES, StepRecord, UpdateRecord, function_of
 use asmotion_datum::Sample;
 use asmotion_plan::{MANY_NUMBERED, NumberedName};
 
-use super::StoryEntry;
-use super::driven_path::DrivenPath;
-use super::robot::Robots;
+use crate::common::common;
+use crate::driven_path::DrivenPath;
+use crate::entry::StoryEntry;
+use crate::robot::Robots;
 
 /// The summary of a mission.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -161,12 +162,6 @@ impl Summary {
             self.robots.set_true_position(component, position);
         }
     }
-}
-
-/// The value that all of the texts have; `None` if they differ or if there are none.
-pub(super) fn common<'t>(mut texts: impl Iterator<Item = &'t String>) -> Option<&'t str> {
-    let first = texts.next()?;
-    texts.all(|text| text == first).then_some(first)
 }
 
 /// The update that changes the control state of the coordinator itself, if any.

@@ -1,6 +1,7 @@
 //! `asmotion verify`.
 
 use super::{file, run};
+use crate::rovers;
 
 const PHILOSOPHERS: &str = "asm-lang/verify/tests/models/philosophers.asm";
 const LAMP: &str = "asm-lang/verify/tests/models/lamp.asm";
@@ -415,6 +416,62 @@ fn a_composite_is_verified_with_what_its_components_send() {
     let (exit, out, _) = run(&["verify", NAVIGATION, "--print-environment"]);
     assert_eq!(exit, 0, "{out}");
     assert!(out.contains("rule r_environment ="), "{out}");
+}
+
+#[test]
+fn instances_that_differ_in_names_only_are_verified_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = |third: &str| {
+        let composite = rovers::write(folder.path(), third, |text| text);
+        let (exit, out, err) = run(&["verify", composite.to_str().unwrap(), "--json"]);
+        assert_eq!(exit, 1, "{out}{err}");
+        let results = out.lines().map(|line| serde_json::from_str(line).unwrap());
+        let results: Vec<serde_json::Value> = results.collect();
+        assert!(
+            results
+                .iter()
+                .all(|it| it["properties"][0]["verdict"] == "violated"),
+            "{out}"
+        );
+        let of = |it: &serde_json::Value| (it["component"].clone(), it["alike"].clone());
+        results.iter().map(of).collect::<Vec<_>>()
+    };
+    let alike = |names: &[&str]| serde_json::json!(names);
+    assert_eq!(
+        results("100"),
+        [("Rover1".into(), alike(&["Rover2", "Rover3"]))]
+    );
+    // a driver with another period makes other steps
+    assert_eq!(
+        results("300"),
+        [
+            ("Rover1".into(), alike(&["Rover2"])),
+            ("Rover3".into(), serde_json::Value::Null)
+        ]
+    );
+
+    let path = rovers::write(folder.path(), "100", |text| text);
+    let composite = path.to_str().unwrap();
+    let (exit, out, err) = run(&["verify", composite]);
+    assert_eq!(exit, 1, "{out}{err}");
+    assert!(out.contains("rovers.composite.toml, Rover1\n"), "{out}");
+    let said = "  alike Rover2, Rover3: the same results, up to names of components\n";
+    assert!(out.ends_with(said), "{out}");
+    let (exit, out, err) = run(&["verify", composite, "--component", "Rover2"]);
+    assert_eq!(exit, 1, "{out}{err}");
+    assert!(out.contains("arrived = true (from Driver2.there)"), "{out}");
+    assert!(!out.contains("alike"), "{out}");
+
+    let keys =
+        "verify = { ctl = true, refuse_start_on_failure = true }\ntask = { period_ms = 100 }";
+    rovers::write(folder.path(), "100", |text| {
+        text.replace("task = { period_ms = 100 }", keys)
+    });
+    let (exit, out, err) = run(&["run", composite, "--speed", "0", "--for", "1"]);
+    assert_eq!(exit, 1, "{out}{err}");
+    let said = "`ag(mode != STOPPED)` of `Rover1` (and of Rover2, Rover3) is violated";
+    assert_eq!(err.matches(said).count(), 1, "{err}");
+    assert_eq!(err.matches("is violated").count(), 1, "{err}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ use crate::context::Context;
 use crate::discovery;
 use crate::finding::Findings;
 use crate::model::binding::Bind;
-use crate::model::{Bridge, Component, Composite, Implementation, Process};
+use crate::model::{Bridge, Component, ComponentBrokers, Composite, Implementation, Process};
 use crate::pattern;
 use crate::programs::{
     ExtendedCatalogue, ProgramAnswer, command_of, directory_of, robot_component,
@@ -63,6 +63,8 @@ pub struct Member {
     ros: BTreeMap<String, Rc<dyn RosMessages>>,
     /// Those of them some of whose definitions are wrong, which has been reported.
     wrong_ros: BTreeSet<String>,
+    /// The brokers of its components.
+    brokers: ComponentBrokers,
     /// Positions of the components by name; of several with one name, that of the first.
     positions: BTreeMap<String, usize>,
     /// Entries of tables of names that could not be read: the key of the table, and the name.
@@ -267,6 +269,11 @@ impl Member {
         self.composite.components.get(*self.positions.get(name)?)
     }
 
+    /// Returns the broker of a component, if components name their brokers.
+    pub fn broker_of<'m>(&'m self, component: &'m Component) -> Option<&'m At<String>> {
+        self.brokers.broker(component)
+    }
+
     /// Returns the resolved path of a file named in this composite.
     pub fn path(&self, file: &str) -> Option<&str> {
         self.paths.get(file).map(String::as_str)
@@ -448,6 +455,7 @@ impl Visit<'_, '_> {
         self.members.insert(
             path.to_owned(),
             Member {
+                brokers: ComponentBrokers::of(&composite),
                 composite,
                 paths,
                 programs,
@@ -559,12 +567,13 @@ impl Visit<'_, '_> {
 
     /// Asks the programs of a composite, and the other robots whose components it names, for declarations.
     fn programs(&self, composite: &Composite, path: &str) -> BTreeMap<String, ProgramAnswer> {
+        let brokers = ComponentBrokers::of(composite);
         let components = composite.components.iter();
         let answers = components.filter_map(|component| {
             let implementation = component.implementation.as_ref()?;
             let name = &component.name.value;
             let answer = match robot_component(implementation) {
-                Some(address) => self.robot(composite, component, address)?,
+                Some(address) => self.robot(&brokers, component, address)?,
                 None => {
                     let command = command_of(implementation, path)?;
                     self.context.programs.ask(&command, name)?
@@ -578,7 +587,7 @@ impl Visit<'_, '_> {
     /// Asks another robot for the declaration of a component.
     fn robot(
         &self,
-        composite: &Composite,
+        brokers: &ComponentBrokers,
         component: &Component,
         address: &str,
     ) -> Option<ProgramAnswer> {
@@ -588,7 +597,7 @@ impl Visit<'_, '_> {
                 text: format!("the address {reason}"),
             }));
         }
-        let broker = composite.broker_of(component).map(|it| it.value.as_str());
+        let broker = brokers.broker(component).map(|it| it.value.as_str());
         self.context.programs.ask_robot(address, broker)
     }
 

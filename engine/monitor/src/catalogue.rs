@@ -4,9 +4,9 @@ use asmotion_component::Time;
 use asmotion_coordinator::CONTROL_STATES;
 use asmotion_lang::simulate;
 use asmotion_lang::{ControlDiagram, FunctionKind, Loader, Specification};
-use asmotion_plan::{Component, Implementation, Part, Plan};
+use asmotion_plan::{Implementation, Part, Plan};
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 #[cfg(feature = "recording")]
@@ -125,7 +125,19 @@ impl SystemDescription {
                 subscribers: subscribers.map(ToString::to_string).collect(),
             }
         });
-        let specifications = here().filter_map(|it| DescribedSpecification::of(it, loader));
+        // many components have the same specification
+        let mut known: BTreeMap<&str, Option<DescribedSpecification>> = BTreeMap::new();
+        let specifications = here().filter_map(|component| {
+            let Implementation::Asm { file, .. } = &component.implementation else {
+                return None;
+            };
+            let described = || DescribedSpecification::of(&component.name, file, loader);
+            let described = known.entry(file).or_insert_with(described).as_ref()?;
+            Some(DescribedSpecification {
+                component: component.name.clone(),
+                ..described.clone()
+            })
+        });
         Self {
             name: plan.name.clone(),
             profile: plan.profile.clone(),
@@ -239,12 +251,9 @@ impl SystemDescription {
 }
 
 impl DescribedSpecification {
-    fn of(component: &Component, loader: &dyn Loader) -> Option<Self> {
-        let Implementation::Asm { file, .. } = &component.implementation else {
-            return None;
-        };
+    fn of(component: &str, file: &str, loader: &dyn Loader) -> Option<Self> {
         let specification = asmotion_lang::open(file, loader).ok()?;
-        Some(Self::opened(&component.name, &specification, file))
+        Some(Self::opened(component, &specification, file))
     }
 
     /// A specification without an analysis.

@@ -245,7 +245,7 @@ pub(crate) fn read(
 }
 
 /// The names that files declare.
-fn declared_names(trees: &[&ast::File]) -> Vec<String> {
+pub(crate) fn declared_names(trees: &[&ast::File]) -> Vec<String> {
     let mut names = Vec::new();
     for tree in trees {
         for domain in &tree.domains {

@@ -83,6 +83,19 @@ impl Glue {
             .push(format!("// {comment}\nJUSTICE {term}\n"));
     }
 
+    /// The functions of the specifications that the environment observes and sets.
+    pub fn functions(&self) -> String {
+        let given = self.given.iter();
+        let given = given.map(|(function, changes)| format!("given {function} {changes}"));
+        let controlled = self.controlled.iter().map(|it| format!("controlled {it}"));
+        let fixed = self.fixed.iter().map(|it| format!("static {it}"));
+        given
+            .chain(controlled)
+            .chain(fixed)
+            .collect::<Vec<_>>()
+            .join("\n")
+    }
+
     /// Returns the text of the environment as a specification.
     pub fn text(&self, comment: &str) -> String {
         let comment: Vec<String> = comment.lines().map(|line| format!("// {line}")).collect();

@@ -6,6 +6,7 @@
 
 mod actor;
 mod bound;
+mod canonical;
 pub mod conformance;
 mod context;
 mod currency;
@@ -26,5 +27,7 @@ mod search;
 
 pub use context::ModelContext;
 pub use error::ModelError;
-pub use model::{ComponentModel, ModelledEnvironment, component_model, specified_components};
+pub use model::{
+    ComponentModel, ModelledEnvironment, canonical_model, component_model, specified_components,
+};
 pub use origin::ValueOrigin;

@@ -1,7 +1,8 @@
 //! The specification of a component together with its environment in a composite.
 
-use crate::actor::{Actor, read};
+use crate::actor::{Actor, ReadFiles, declared_names, read};
 use crate::bound::BindingReader;
+use crate::canonical::CanonicalNames;
 use crate::context::ModelContext;
 use crate::currency::Currency;
 use crate::environment::{EnvironmentWriter, senders};
@@ -24,6 +25,18 @@ pub struct ComponentModel {
     pub specification: Specification,
     /// The parts of the environment.
     pub environment: ModelledEnvironment,
+}
+
+/// The specification of a component and its environment, not yet put together.
+struct ModelParts {
+    environment: ModelledEnvironment,
+    verified: ReadFiles,
+    actors: Vec<Actor>,
+    glue: Glue,
+    /// Text of the environment without the specifications of other components.
+    text: String,
+    uses_time: bool,
+    sources: Sources,
 }
 
 /// The environment of a component's specification.
@@ -101,6 +114,32 @@ pub fn component_model(
     context: &ModelContext<'_>,
     component: &str,
 ) -> Result<ComponentModel, ModelError> {
+    let parts = model_parts(context, component)?;
+    let specification = merge(
+        parts.verified,
+        parts.actors,
+        &parts.glue,
+        &parts.text,
+        parts.uses_time,
+        parts.sources,
+        &context.options,
+    )?;
+    Ok(ComponentModel {
+        specification,
+        environment: parts.environment,
+    })
+}
+
+/// Returns the specification of a component and its environment as text, with positions in place of components. If it is equal for two
+/// components, a verification has the same results for both, up to names of components.
+///
+/// # Errors
+/// A specification or protocol has errors, or the values of an input cannot be listed.
+pub fn canonical_model(context: &ModelContext<'_>, component: &str) -> Result<String, ModelError> {
+    Ok(model_parts(context, component)?.canonical())
+}
+
+fn model_parts(context: &ModelContext<'_>, component: &str) -> Result<ModelParts, ModelError> {
     let plan = context.plan;
     let missing = || ModelError::NoComponent(component.to_owned());
     let planned = plan.component(component).ok_or_else(missing)?;
@@ -229,17 +268,27 @@ pub fn component_model(
         inputs,
         origins,
     };
-    let specification = merge(
+    Ok(ModelParts {
+        environment,
         verified,
         actors,
-        &glue,
-        &text,
+        glue,
+        text,
         uses_time,
         sources,
-        &context.options,
-    )?;
-    Ok(ComponentModel {
-        specification,
-        environment,
     })
+}
+
+impl ModelParts {
+    /// The parts as text, with positions in place of components.
+    fn canonical(&self) -> String {
+        let own = self.verified.loaded.units.iter().filter(|it| !it.library);
+        let own: Vec<_> = own.map(|it| &it.tree).collect();
+        let declared = declared_names(&own).into_iter().collect();
+        let components = self.actors.iter().map(|it| it.component.as_str());
+        let names = CanonicalNames::of(components, declared);
+        let environment = names.text(&self.environment.text);
+        let functions = names.text(&self.glue.functions());
+        [&*self.environment.file, &environment, &functions].join("\n")
+    }
 }

@@ -5,17 +5,21 @@ use std::collections::BTreeMap;
 /// Returns the text with other names; strings, characters, comments and variables stay as they are.
 pub(crate) fn renamed(text: &str, names: &BTreeMap<String, String>) -> String {
     let mut done = String::with_capacity(text.len() + text.len() / 4);
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let length = token_length(rest, first);
-        let (token, after) = rest.split_at(length);
-        match names.get(token) {
-            Some(name) => done.push_str(name),
-            None => done.push_str(token),
-        }
-        rest = after;
+    for token in tokens(text) {
+        done.push_str(names.get(token).map_or(token, |name| name));
     }
     done
+}
+
+/// The tokens of a text, with comments and each white space.
+pub(crate) fn tokens(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        let first = rest.chars().next()?;
+        let (token, after) = rest.split_at(token_length(rest, first));
+        rest = after;
+        Some(token)
+    })
 }
 
 /// Length of the token at the start of a text, in bytes.

@@ -7,8 +7,8 @@ use crate::build::Build;
 use crate::exit::Exit;
 use crate::terminal::{NOTE, TerminalOutput, count};
 use crate::verification::{
-    components_with_properties, describe, exchanges_messages, in_terms_of_composite, link_messages,
-    model, with_origins,
+    AlikeComponents, components_with_properties, describe, exchanges_messages,
+    in_terms_of_composite, link_messages, model, with_origins,
 };
 use asmotion_lang::ReadOptions;
 use asmotion_plan::{Component, Implementation, Opened, Plan};
@@ -118,9 +118,13 @@ impl Verify {
             ));
             return Exit::Usage;
         }
-        let exits = components
+        let mut seen = BTreeSet::new();
+        let names = components.iter().map(String::as_str);
+        let names: Vec<&str> = names.filter(|it| seen.insert(*it)).collect();
+        let groups = AlikeComponents::among(build, plan, &names, &self.files);
+        let exits = groups
             .iter()
-            .map(|component| self.component(build, plan, (path, component), watched, terminal));
+            .map(|alike| self.components(build, plan, (path, alike), watched, terminal));
         exits.fold(Exit::Ok, Exit::max)
     }
 
@@ -181,14 +185,16 @@ impl Verify {
             .unwrap_or_else(|exit| exit)
     }
 
-    fn component(
+    /// Verifies the first of components that are alike.
+    fn components(
         &self,
         build: &Build,
         plan: &Plan,
-        (path, component): (&str, &str),
+        (path, alike): (&str, &AlikeComponents<'_>),
         watched: &mut WatchedResults,
         terminal: &mut TerminalOutput,
     ) -> Exit {
+        let (component, others) = (alike.component, alike.others_in_words());
         let options = ReadOptions {
             initial: self.init.clone(),
             ..ReadOptions::default()
@@ -207,6 +213,9 @@ impl Verify {
         };
         if self.composite.print_environment {
             terminal.result(environment.text.trim_end());
+            if let Some(others) = others {
+                terminal.result(format_args!("// the same, up to names: {others}"));
+            }
             return Exit::Ok;
         }
         let system = SystemSpecification::of(specification);
@@ -223,6 +232,9 @@ impl Verify {
         if self.json {
             let mut result = json::verification(path, &verification, time);
             result["component"] = component.into();
+            if !alike.others.is_empty() {
+                result["alike"] = alike.others.clone().into();
+            }
             result["environment"] = environment_json(&environment);
             terminal.result(result);
         } else {
@@ -235,6 +247,11 @@ impl Verify {
                 terminal,
             );
             show_environment(&environment, terminal);
+            if let Some(others) = others {
+                terminal.result(format_args!(
+                    "  {NOTE}alike{NOTE:#} {others}: the same results, up to names of components"
+                ));
+            }
             watched.show_changes(component, &verification, terminal);
         }
         let machines = &verification.machines;

@@ -68,7 +68,7 @@ impl std::fmt::Display for Home<'_> {
 
 /// Returns the broker of a component.
 fn home<'s>(scene: &CheckedComposite<'s>, component: &'s Component) -> Home<'s> {
-    match (nested(component), scene.composite.broker_of(component)) {
+    match (nested(component), scene.member.broker_of(component)) {
         (Some(_), _) => Home::Nested,
         (None, Some(broker)) => Home::On(&broker.value),
         (None, None) => Home::Inside,

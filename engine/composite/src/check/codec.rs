@@ -57,7 +57,7 @@ fn broker<'s>(
         return None;
     }
     let component = component.and_then(|name| scene.member.component(name));
-    let home = component.and_then(|component| composite.broker_of(component));
+    let home = component.and_then(|component| scene.member.broker_of(component));
     let is_home = |it: &&Broker| home.is_none_or(|home| home.value == it.name.value);
     let codec = |it: &'s Broker| Some((it, it.codec.as_ref()?));
     let mut said = composite.brokers.iter().filter(is_home).filter_map(codec);

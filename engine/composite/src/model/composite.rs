@@ -99,20 +99,4 @@ impl Composite {
             .iter()
             .find(|component| component.name.value == name)
     }
-
-    /// Returns the broker of a component if components name their brokers. A `task` without `broker` is local. An
-    /// `activity` has no such key, so one connected to a topic uses the composite's only broker.
-    pub fn broker_of<'c>(&'c self, component: &'c Component) -> Option<&'c At<String>> {
-        let of_pace = |it: &'c Component| it.pace()?.broker.as_ref();
-        let is_task = component.task.is_some();
-        let default = || match &*self.brokers {
-            [only] if !is_task && self.components.iter().any(|it| of_pace(it).is_some()) => {
-                let mut connections = self.connections.iter();
-                let on_topic = |it: &Connection| it.joins_to_topic(&component.name.value);
-                connections.any(on_topic).then_some(&only.name)
-            }
-            _ => None,
-        };
-        of_pace(component).or_else(default)
-    }
 }

@@ -3,6 +3,7 @@
 pub mod binding;
 mod binding_value;
 mod component;
+mod component_brokers;
 mod component_reader;
 mod composite;
 mod deploy;
@@ -31,6 +32,7 @@ pub use component::{
     ProxyEntry, ProxyMode, Rename, RosEntry, RosQos, RosReliability, SpecialKeys, StatedProperty,
     Verify, Wanted, Watch,
 };
+pub use component_brokers::ComponentBrokers;
 pub use composite::{Composite, Head};
 pub use deploy::{
     Deploy, PlannedProcess, PlannedRecord, PlannedRestart, Process, Record, RecordReaders, Restart,

@@ -190,19 +190,6 @@ pub struct Connection {
     pub policy: Policy,
 }
 
-impl Connection {
-    /// Returns whether the connection joins a port of this component to a topic.
-    pub fn joins_to_topic(&self, component: &str) -> bool {
-        let own =
-            |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component);
-        let topic = |end: &Terminal| matches!(end, Terminal::Topic(_));
-        let joins = |some: &[Terminal], others: &[Terminal]| {
-            some.iter().any(own) && others.iter().any(topic)
-        };
-        joins(&self.from, &self.to) || joins(&self.to, &self.from)
-    }
-}
-
 /// Transfer policy of a connection: RTT's connection policy, extended by the handling of stale data.
 #[derive(Clone, Debug, Default, Table)]
 #[table(of = "a connection policy", example = "{ type = \"data\" }", resolved = PlannedPolicy)]

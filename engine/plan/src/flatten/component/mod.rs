@@ -153,7 +153,7 @@ fn special(
 
 /// Resolves the schedule, including the broker, which defaults to the composite's only one.
 fn pace(source: &PartSource<'_>, to: &mut Resolver<'_>) -> Pace {
-    let broker = source.member.composite.broker_of(source.component);
+    let broker = source.member.broker_of(source.component);
     let mut pace = Pace {
         broker: broker.map(|name| to.local(name)),
         ..to.or_default(source.component.pace())

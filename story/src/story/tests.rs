@@ -1,15 +1,10 @@
-//! The story of events, and values in it.
-#![allow(missing_docs, clippy::unwrap_used, reason = "tests")]
-
 use std::time::Duration;
 
 use asmotion_component::{CallError, CallId, Time};
-use asmotion_datum::Datum;
 use asmotion_messages::Bool;
 use asmotion_runtime::Event;
 
-use asmotion_story::Story;
-use asmotion_story::brief::brief;
+use super::Story;
 
 /// What the story says about a sequence of attempts, each a call and the number of its attempt, and of ends of calls.
 fn told(events: &[(u64, Option<u32>)]) -> (Vec<bool>, u64) {
@@ -98,17 +93,4 @@ fn losses_that_go_on_are_told_at_growing_intervals_and_at_the_end() {
     }
     let last = story.last_changes();
     assert_eq!(of("", &last), ["370", "370"], "{last:?}");
-}
-
-#[test]
-fn a_large_number_has_an_exponent() {
-    for (number, text) in [(1e308, "1e308"), (-2.5e15, "-2.5e15"), (1e9, "1000000000")] {
-        assert_eq!(brief(&Datum::Float(number)), text);
-    }
-}
-
-#[test]
-fn a_long_list_is_cut() {
-    let list = Datum::List(vec![Datum::Int(1); 40]);
-    assert!(brief(&list).ends_with("1, … 40 in all]"));
 }
