@@ -30,8 +30,10 @@ use asmotion_assembly::{CoordinatorOptions, Standard};
 use asmotion_component::Time;
 use asmotion_composite::{AsmFiles, Context, EmptyEnvironment, NoPrograms};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_drawing::Instances;
 use asmotion_lang::simulate::Seeded;
 use asmotion_lang::{BackEnd, Machine, MemoryFiles, NoInputs, Specification};
+use asmotion_plan::Opened;
 use asmotion_runtime::{Event, Observer, ReportInterest, Run, Simulation};
 
 /// A row of the table.
@@ -177,6 +179,15 @@ const ROWS: &[Row] = &[
             let composite = || pairs(size);
             (0..times).for_each(|_| drop(started(composite())));
         },
+        units: |size| size,
+    },
+    Row {
+        name: "shown",
+        unit: "expansion, picture, routes and threads of two coordinators that are connected to each other, in two processes",
+        sizes: [100, 300, 1_000, 3_000],
+        // a picture of many instances is folded
+        limit: 0.05,
+        work: shown,
         units: |size| size,
     },
 ];
@@ -333,21 +344,52 @@ fn roving(size: u64) -> Simulation {
     run
 }
 
-/// Starts a composite, whose components have their first cycle.
-fn started(composite: String) -> Simulation {
+/// Describes pairs of coordinators, all rovers in one process and all drivers in another, as the commands do that show a composite.
+fn shown(size: u64, times: u64) {
+    let processes = [("rovers", "Rover"), ("drivers", "Driver")].map(|(name, component)| {
+        let components = (1..=size).map(|it| format!("\"{component}{it}\""));
+        let components = components.collect::<Vec<_>>().join(", ");
+        format!("{{ name = \"{name}\", components = [{components}] }}")
+    });
+    let deploy = format!(
+        "[brokers.main]\nurl = \"amqp://localhost\"\n[deploy]\nprocesses = [{}]\n",
+        processes.join(", ")
+    );
+    let opened = planned(&files(pairs(size) + &deploy));
+    let plan = opened.plan(None).unwrap();
+    for _ in 0..times {
+        drop(asmotion_plan::expand(&opened, plan));
+        drop(asmotion_drawing::svg(plan, Instances::Folded));
+        drop(plan.connection_routes());
+        assert_eq!(plan.threads().count(), plan.components.len());
+    }
+}
+
+/// The files of a composite of rovers.
+fn files(composite: String) -> MemoryFiles {
     let mut files = MemoryFiles::new();
     files.add("main.toml", composite);
     files.add("rover.asm", rovers::SPECIFICATION);
-    let specifications = AsmFiles::new(&files);
+    files
+}
+
+fn planned(files: &MemoryFiles) -> Opened {
+    let specifications = AsmFiles::new(files);
     let context = Context {
-        loader: &files,
+        loader: files,
         environment: &EmptyEnvironment,
         catalogue: &rovers::BUILD,
         specifications: &specifications,
         programs: &NoPrograms,
         settings: &[],
     };
-    let opened = asmotion_plan::open("main.toml", &context);
+    asmotion_plan::open("main.toml", &context)
+}
+
+/// Starts a composite, whose components have their first cycle.
+fn started(composite: String) -> Simulation {
+    let files = files(composite);
+    let opened = planned(&files);
     let options = CoordinatorOptions::seeded(1);
     let mut workshop = Standard::new(&rovers::BUILD, &files, options);
     let system = asmotion_assembly::start(opened.plan(None).unwrap(), &mut workshop);

@@ -260,17 +260,14 @@ impl<'a> Declarations<'a> {
 
     /// Connections between processes: each output is a topic of its own.
     fn crossings(&self) -> Vec<Channel> {
-        let process = |component: &str| {
-            let mut processes = self.plan.processes.iter();
-            processes.position(|process| process.components.iter().any(|it| it == component))
-        };
+        let process = |end: &End| self.plan.process_of(&end.component).map(|it| &it.name);
         let mut crossings: Vec<Channel> = Vec::new();
         for connection in &self.plan.connections {
             let (Terminal::Port(from), Terminal::Port(to)) = (&connection.from, &connection.to)
             else {
                 continue;
             };
-            if process(&from.component) == process(&to.component) {
+            if process(from) == process(to) {
                 continue;
             }
             let name = format!("port.{from}");
@@ -402,8 +399,8 @@ impl<'a> Declarations<'a> {
                 Some(Some(reference)) => reference.operations.iter().any(|it| it.name == operation),
             }
         };
-        let wires = self.plan.wires.iter();
-        let wires = wires.filter(|it| it.services.contains(service) && calls(&it.reference));
+        let wires = self.plan.wires.to_service(service);
+        let wires = wires.filter(|it| calls(&it.reference));
         wires
             .map(|wire| OperationCaller {
                 reference: wire.reference.clone(),

@@ -118,14 +118,10 @@ fn a_component_has_the_thread_that_its_composite_asks_for() {
     assert_eq!(said(&opened), "", "nothing is without effect");
     let plan = opened.plan(None).expect("a plan");
     let run = start(&files, &opened).live();
-    let found = plan.components.iter().map(|component| {
+    let found = plan.threads().map(|(component, thread)| {
         let running = run.thread_use(&component.name).map(|it| it.to_string());
         let running = running.unwrap_or_default();
-        format!(
-            "{}: {}, {running}",
-            component.name,
-            plan.thread_of(component)
-        )
+        format!("{}: {}, {running}", component.name, thread)
     });
     // the plan and the running system agree
     assert_eq!(

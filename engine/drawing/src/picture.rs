@@ -1,8 +1,8 @@
 //! The contents of a picture: boxes in frames, and edges between them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use asmotion_plan::{Component, End, Implementation, Plan, Terminal};
+use asmotion_plan::{Component, End, Implementation, Plan, Terminal, Topic};
 
 /// A picture without coordinates.
 pub(crate) struct Picture {
@@ -95,6 +95,8 @@ impl Picture {
             frames: BTreeMap::from([(String::new(), 0)]),
             components: BTreeMap::new(),
             topics: BTreeMap::new(),
+            on_topics: plan.topics.iter().flat_map(ends).collect(),
+            promoted: plan.promoted.iter().map(|it| &*it.inside).collect(),
         };
         draft.nodes();
         draft.edges();
@@ -138,15 +140,30 @@ struct PictureBuilder<'d> {
     frames: BTreeMap<String, usize>,
     components: BTreeMap<&'d str, usize>,
     topics: BTreeMap<&'d str, usize>,
+    /// The ports of topics.
+    on_topics: BTreeSet<&'d End>,
+    /// Promoted ports, services and references, as `component.port`.
+    promoted: BTreeSet<&'d str>,
+}
+
+/// The ports of a topic.
+fn ends(topic: &Topic) -> impl Iterator<Item = &End> {
+    topic.publishers.iter().chain(&topic.subscribers)
 }
 
 impl<'d> PictureBuilder<'d> {
     fn nodes(&mut self) {
         let plan = self.plan;
+        let processes = plan.processes.iter().filter(|_| plan.processes.len() > 1);
+        let processes = processes.enumerate().flat_map(|(position, process)| {
+            let components = process.components.iter();
+            components.map(move |it| (it.as_str(), position))
+        });
+        // a component is in one process
+        let processes: BTreeMap<&str, usize> = processes.collect();
         for component in &plan.components {
             let (frame, name) = self.frame_of_component(&component.name);
-            let mut processes = plan.processes.iter().filter(|_| plan.processes.len() > 1);
-            let process = processes.position(|it| it.components.contains(&component.name));
+            let process = processes.get(&*component.name).copied();
             let port = |name: &String, service: bool| PicturePort {
                 name: name.clone(),
                 service,
@@ -225,22 +242,20 @@ impl<'d> PictureBuilder<'d> {
 
     /// Returns whether a port is connected or promoted.
     fn is_used(&self, component: &str, port: &str) -> bool {
-        let is = |end: &End| end.component == component && end.name == port;
-        let plan = self.plan;
-        let terminal = Terminal::Port(End {
+        let end = End {
             component: component.to_owned(),
             name: port.to_owned(),
-        });
+        };
+        if self.on_topics.contains(&end) || self.promoted.contains(&*end.to_string()) {
+            return true;
+        }
+        let terminal = Terminal::Port(end);
+        let connections = &self.plan.connections;
         let (from, to) = (
-            plan.connections.from_end(&terminal),
-            plan.connections.to_end(&terminal),
+            connections.from_end(&terminal),
+            connections.to_end(&terminal),
         );
-        let topics = plan.topics.iter();
-        let mut ends = topics.flat_map(|it| it.publishers.iter().chain(&it.subscribers));
-        let inside = format!("{component}.{port}");
-        ends.any(is)
-            || from.chain(to).next().is_some()
-            || plan.promoted.iter().any(|it| it.inside == inside)
+        from.chain(to).next().is_some()
     }
 
     fn edges(&mut self) {

@@ -1,5 +1,6 @@
 //! The thread in which a component cycles in real time.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use asmotion_composite::model::{Scheduler, ThreadUse};
@@ -34,17 +35,30 @@ pub enum ThreadReason {
 }
 
 impl Plan {
-    /// Returns the thread of a component, with regard to the components that cycle after it.
-    pub fn thread_of(&self, component: &Component) -> ComponentThread {
-        let pace = &component.pace;
-        if let Some(master) = &pace.master {
-            return ComponentThread::Master(master.clone());
+    /// Iterates over the components with their threads, with regard to the components that cycle after them.
+    pub fn threads(&self) -> impl Iterator<Item = (&Component, ComponentThread)> {
+        // the least deadlines of the components that cycle after a component
+        let mut deadlines: BTreeMap<&str, u64> = BTreeMap::new();
+        for slave in self.components.iter().filter(|it| it.pace.master.is_some()) {
+            if let Some(deadline) = slave.pace.deadline_ms {
+                let least = deadlines.entry(&self.last_master(slave).name);
+                let least = least.or_insert(deadline);
+                *least = deadline.min(*least);
+            }
         }
-        let reason = self.own_thread(component).or_else(|| {
-            let deadline = self.deadline_of_slaves(&component.name);
-            deadline.filter(|_| pace.thread.is_none())
-        });
-        reason.map_or(ComponentThread::Executor, ComponentThread::Own)
+        self.components.iter().map(move |component| {
+            let pace = &component.pace;
+            if let Some(master) = &pace.master {
+                return (component, ComponentThread::Master(master.clone()));
+            }
+            let reason = self.own_thread(component).or_else(|| {
+                let deadline = deadlines.get(&*component.name).copied();
+                let deadline = deadline.filter(|_| pace.thread.is_none());
+                deadline.map(ThreadReason::Deadline)
+            });
+            let thread = reason.map_or(ComponentThread::Executor, ComponentThread::Own);
+            (component, thread)
+        })
     }
 
     /// Returns the reason for which a component has a thread of its own, whatever cycles after it; `None` if it has none.
@@ -93,14 +107,6 @@ impl Plan {
             .take(self.components.len())
             .last()
             .unwrap_or(component)
-    }
-
-    /// Returns the shortest deadline of the components that cycle after this one.
-    fn deadline_of_slaves(&self, master: &str) -> Option<ThreadReason> {
-        let slaves = self.components.iter().filter(|it| it.pace.master.is_some());
-        let slaves = slaves.filter(|it| self.last_master(it).name == master);
-        let deadline = slaves.filter_map(|it| it.pace.deadline_ms).min();
-        deadline.map(ThreadReason::Deadline)
     }
 }
 

@@ -118,7 +118,8 @@ impl Plan {
     }
 
     fn between(&self, from: &End, to: &End, lock: Lock) -> RouteTransport {
-        if self.process_of(&from.component) == self.process_of(&to.component) {
+        let process = |end: &End| self.process_of(&end.component).map(|it| &it.name);
+        if process(from) == process(to) {
             RouteTransport::Nothing(lock)
         } else {
             RouteTransport::Broker(self.broker_of(&from.component).map(str::to_owned))

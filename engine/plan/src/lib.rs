@@ -16,6 +16,7 @@ mod opened;
 mod part;
 mod plan;
 mod route;
+mod wire_list;
 
 pub use codes::CODES;
 pub use component::{Component, Port, Service};
@@ -34,3 +35,4 @@ pub use plan::{
     PropertyValues, Record, RecordReaders, Restart, Terminal, Wire,
 };
 pub use route::robot_address;
+pub use wire_list::WireList;

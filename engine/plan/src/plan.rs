@@ -10,6 +10,7 @@ use asmotion_datum::Schema;
 use crate::component::Component;
 use crate::connection_list::ConnectionList;
 use crate::joint::{Promoted, Topic};
+use crate::wire_list::WireList;
 pub use asmotion_composite::address::Endpoint;
 pub use asmotion_composite::end::{End, Terminal};
 pub use asmotion_composite::model::{
@@ -48,7 +49,7 @@ pub struct Plan {
     /// Connections, one per pair of ends.
     pub connections: ConnectionList,
     /// Wires of all composites.
-    pub wires: Vec<Wire>,
+    pub wires: WireList,
     /// Elements visible outside the system.
     pub promoted: Vec<Promoted>,
     /// Processes; a single process with all components if the composite has no deployment.
@@ -61,6 +62,10 @@ pub struct Plan {
     pub types: BTreeMap<String, Schema>,
     /// Operations by service interface, of those that only folders with definitions of ROS have.
     pub interfaces: BTreeMap<String, Vec<OperationDeclaration>>,
+    /// Positions of the processes of components, if there are several.
+    pub(crate) places: BTreeMap<String, usize>,
+    /// Whether any component names a broker.
+    pub(crate) has_component_broker: bool,
 }
 
 impl Plan {
@@ -71,11 +76,9 @@ impl Plan {
 
     /// Returns the process of a component of the plan; `None` if the component is unknown and there are several processes.
     pub fn process_of(&self, component: &str) -> Option<&Process> {
-        // thousands of components are usually in one process, and each of them asks
-        if let [only] = self.processes.as_slice() {
-            return Some(only);
+        match self.processes.as_slice() {
+            [only] => Some(only),
+            several => several.get(*self.places.get(component)?),
         }
-        let mut processes = self.processes.iter();
-        processes.find(|process| process.components.iter().any(|it| it == component))
     }
 }

@@ -1,13 +1,12 @@
 //! Selection of brokers and gateways.
 //!
-//! The broker of a component is determined by [`asmotion_composite::model::Composite::broker_of`]. If no component has
+//! The broker of a component is determined by [`asmotion_composite::model::ComponentBrokers`]. If no component has
 //! a broker, all use the only one of the composite.
 
 use std::collections::BTreeSet;
 
 use asmotion_bus::RobotAddress;
 
-use crate::component::Component;
 use crate::joint::Promoted;
 use crate::part::Part;
 use crate::plan::{Broker, End, Endpoint, Gateway, Plan, Wire};
@@ -16,12 +15,10 @@ use asmotion_composite::model::Transport;
 impl Plan {
     /// Returns whether any component, wire or promotion names a broker.
     pub fn names_brokers(&self) -> bool {
-        let of_components = self.components.iter().map(|it| &it.pace.broker);
         let leaving = self.wires.iter().filter(|it| self.leaves_process(it));
         let of_wires = leaving.map(|it| &it.broker);
         let of_promotions = self.promoted.iter().map(|it| &it.broker);
-        let mut all = of_components.chain(of_wires).chain(of_promotions);
-        all.any(Option::is_some)
+        self.has_component_broker || of_wires.chain(of_promotions).any(Option::is_some)
     }
 
     /// Returns whether calls through a wire leave the process of the caller.
@@ -36,8 +33,7 @@ impl Plan {
         if self.brokers.is_empty() {
             return None;
         }
-        let named = |it: &'_ Component| it.pace.broker.is_some();
-        match (self.components.iter().any(named), &*self.brokers) {
+        match (self.has_component_broker, &*self.brokers) {
             (true, _) => self.component(component)?.pace.broker.as_deref(),
             (false, [only]) => Some(&only.name),
             (false, _) => None,
@@ -60,18 +56,17 @@ impl Plan {
         service: &str,
         part: &Part,
     ) -> Vec<(String, Option<&str>)> {
-        let own = format!("{component}.{service}");
-        let mut doors = vec![(own.clone(), self.broker_of(component))];
-        for wire in &self.wires {
-            let is_wired = wire.services.iter().any(|end| end.to_string() == own);
-            if is_wired && (wire.goes_abroad() || !part.has(&wire.reference.component)) {
-                doors.push((own.clone(), self.broker_of_wire(wire)));
-            }
-        }
         let end = End {
             component: component.to_owned(),
             name: service.to_owned(),
         };
+        let own = end.to_string();
+        let mut doors = vec![(own.clone(), self.broker_of(component))];
+        for wire in self.wires.to_service(&end) {
+            if wire.goes_abroad() || !part.has(&wire.reference.component) {
+                doors.push((own.clone(), self.broker_of_wire(wire)));
+            }
+        }
         let promoted = self.promoted_over_brokers(&end);
         doors.extend(promoted.map(|(name, broker)| (name.to_owned(), broker)));
         doors

@@ -62,9 +62,8 @@ pub(crate) fn writers(plan: &Plan, port: &End) -> Senders {
 
 /// The references through which a service is called.
 pub(crate) fn callers(plan: &Plan, service: &End) -> Senders {
-    let wires = plan.wires.iter().filter(|it| it.services.contains(service));
     let mut senders = Senders::default();
-    for wire in wires {
+    for wire in plan.wires.to_service(service) {
         add(&mut senders.ends, &wire.reference);
     }
     let is_promoted =
@@ -76,7 +75,7 @@ pub(crate) fn callers(plan: &Plan, service: &End) -> Senders {
 /// The services that calls through a reference go to; other systems are not among them.
 pub(crate) fn providers(plan: &Plan, reference: &End) -> Senders {
     let mut senders = Senders::default();
-    for wire in plan.wires.iter().filter(|it| it.reference == *reference) {
+    for wire in plan.wires.of_reference(reference) {
         wire.services
             .iter()
             .for_each(|end| add(&mut senders.ends, end));

@@ -60,10 +60,10 @@ fn of_plan(plan: &Plan, terminal: &mut TerminalOutput) {
 fn threads(plan: &Plan, terminal: &mut TerminalOutput) {
     let mut rows = Vec::new();
     let mut shared = 0;
-    for component in &plan.components {
-        match plan.thread_of(component) {
+    for (component, thread) in plan.threads() {
+        match thread {
             ComponentThread::Executor => shared += 1,
-            thread @ (ComponentThread::Own(_) | ComponentThread::Master(_)) => {
+            ComponentThread::Own(_) | ComponentThread::Master(_) => {
                 rows.push(vec![component.name.clone(), thread.to_string()]);
             }
         }

@@ -18,7 +18,7 @@ use asmotion_network::{Network, port_topic};
 use asmotion_runtime::{BuildError, ComponentId, System};
 
 use asmotion_composite::model::{self, Transport};
-use asmotion_plan::{InputQueue, Part, Plan, Terminal, robot_address};
+use asmotion_plan::{InputQueue, Part, Plan, Terminal, WireList, robot_address};
 
 pub(crate) use activity::of as activity;
 pub(crate) use policy::of as policy;
@@ -443,9 +443,9 @@ fn default_size(component: &asmotion_plan::Component, port: &str) -> usize {
 
 /// Converts the timeout and retries of one of these wires. Several wires of a reference are its alternatives, in this
 /// order.
-pub(crate) fn how(wires: &[asmotion_plan::Wire], wire: &asmotion_plan::Wire) -> Wire {
-    let before = wires.iter().take_while(|it| !std::ptr::eq(*it, wire));
-    let before = before.filter(|it| it.reference == wire.reference);
+pub(crate) fn how(wires: &WireList, wire: &asmotion_plan::Wire) -> Wire {
+    let same = wires.of_reference(&wire.reference);
+    let before = same.take_while(|it| !std::ptr::eq(*it, wire));
     Wire {
         timeout: Duration::from_millis(wire.timeout_ms),
         retries: u32::try_from(wire.retry.attempts).unwrap_or(u32::MAX),

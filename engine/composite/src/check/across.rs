@@ -7,20 +7,20 @@ use std::collections::BTreeMap;
 use asmotion_diagnostics::{Report, Span};
 
 use super::codec;
-use super::scene::{CheckedComposite, nested, processes};
+use super::scene::{CheckedComposite, nested};
 use super::topic::{Role, Topics};
 use crate::finding::Findings;
 use crate::model::{Component, End, Terminal, Transport, Wire};
 
 pub(crate) fn check(scene: &CheckedComposite<'_>, topics: &Topics, report: &mut Report) {
-    let Some(deploy) = &scene.composite.deploy else {
+    let Some(processes) = &scene.processes else {
         return;
     };
     let mut components = scene.parts.iter().map(|part| part.component);
     let mut across = Across {
         scene,
         has_homes: components.any(|it| matches!(home(scene, it), Home::On(_))),
-        processes: processes(deploy),
+        processes,
         report,
     };
     for wire in &scene.composite.wires {
@@ -79,7 +79,7 @@ struct Across<'s, 'r> {
     scene: &'s CheckedComposite<'s>,
     /// A component has a broker. If none has, all use the default broker of the run.
     has_homes: bool,
-    processes: BTreeMap<&'s str, &'s str>,
+    processes: &'s BTreeMap<&'s str, &'s str>,
     report: &'r mut Report,
 }
 

@@ -121,6 +121,7 @@ impl<'c> Checker<'c> {
             profile: self.profile,
             types,
             catalogue: self.catalogue,
+            processes: member.composite.deploy.as_ref().map(scene::processes),
             parts: NamedList::default(),
         };
         let report = &mut *self.report;

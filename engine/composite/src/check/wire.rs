@@ -14,7 +14,7 @@ use asmotion_diagnostics::{Report, Span};
 
 use super::endpoints::EndpointService;
 use super::meant::meant;
-use super::scene::{CheckedComponent, CheckedComposite, processes};
+use super::scene::{CheckedComponent, CheckedComposite};
 use super::{external, fan_out};
 use crate::finding::Findings;
 use crate::model::{Amount, DEFAULT_TIMEOUT_MS, End, Promoted, Transport, Wire};
@@ -251,10 +251,9 @@ fn idle_within_process(scene: &CheckedComposite<'_>, wire: &Wire, report: &mut R
 /// Returns whether a service of the wire is in another process than its caller. Components of a nested composite are in one
 /// process.
 fn is_across(scene: &CheckedComposite<'_>, wire: &Wire) -> bool {
-    let Some(deploy) = &scene.composite.deploy else {
+    let Some(processes) = &scene.processes else {
         return false;
     };
-    let processes = processes(deploy);
     let process = |end: &End| processes.get(end.component.value.as_str());
     let mut services = wire.services.iter();
     services.any(|service| process(service) != process(&wire.reference))

@@ -122,11 +122,14 @@ fn services(services: &[Service]) -> Lines {
 fn references(component: &Component, plan: &Plan) -> Lines {
     let mut keys = Lines::new();
     for reference in &component.references {
-        let end = format!("{}.{}", component.name, reference.name);
-        let mut wires = plan.wires.iter();
+        let end = End {
+            component: component.name.clone(),
+            name: reference.name.clone(),
+        };
+        let wired = plan.wires.of_reference(&end).next().is_some();
+        let end = end.to_string();
         let mut promoted = plan.promoted.iter();
-        let leads = wires.any(|wire| wire.reference.to_string() == end)
-            || promoted.any(|it| it.what == "reference" && it.inside == end);
+        let leads = wired || promoted.any(|it| it.what == "reference" && it.inside == end);
         if leads {
             keys.put(&reference.name, &reference.interface);
         } else {

@@ -19,6 +19,7 @@ use asmotion_diagnostics::{Sources, Span};
 use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
 use crate::connection_list::ConnectionList;
 use crate::plan::{Plan, PropertyValues};
+use crate::wire_list::WireList;
 use asmotion_composite::check::endpoints::Endpoints;
 use asmotion_composite::check::{self, Faces};
 use asmotion_composite::family::{Family, Member};
@@ -76,7 +77,9 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         components: NamedList::default(),
         topics: Vec::new(),
         connections: ConnectionList::default(),
-        wires: Vec::new(),
+        wires: WireList::default(),
+        places: BTreeMap::new(),
+        has_component_broker: false,
         promoted: Vec::new(),
         processes: Vec::new(),
         restart: None,
@@ -297,6 +300,8 @@ impl<'p> Flattener<'p, '_> {
             let mut to = Resolver::new(&outermost.scope, &outermost.prefix, self.notes);
             place::place(composite, &nested, &mut to, &mut self.plan);
         }
+        let mut components = self.plan.components.iter();
+        self.plan.has_component_broker = components.any(|it| it.pace.broker.is_some());
         self.late_readers();
         proxy_target::resolve(&mut self.plan);
         self.plan.start_order = order::start_order(&self.plan);

@@ -1,6 +1,6 @@
 //! Assigns components to processes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::plan::{Plan, Process};
 use asmotion_composite::model::{Composite, Scheduler};
@@ -26,10 +26,15 @@ pub(super) fn place(
         return;
     };
     for process in &deploy.processes {
-        plan.processes.extend(to.of(process).map(|mut process| {
-            process.components = placed(&process.components, nested, plan);
-            process
-        }));
+        let Some(mut process) = to.of(process) else {
+            continue;
+        };
+        process.components = placed(&process.components, nested, plan);
+        for component in &process.components {
+            let place = plan.places.entry(component.clone());
+            place.or_insert(plan.processes.len());
+        }
+        plan.processes.push(process);
     }
     plan.restart = deploy.restart.as_ref().and_then(|it| to.of(it));
     plan.record = deploy.record.as_ref().and_then(|it| to.of(it));
@@ -42,11 +47,17 @@ pub(super) fn place(
 
 /// Returns the components of a plan selected by these names.
 fn placed(names: &[String], nested: &BTreeMap<&str, String>, plan: &Plan) -> Vec<String> {
+    let (mut single, mut prefixes) = (BTreeSet::new(), Vec::new());
+    for name in names {
+        match nested.get(name.as_str()) {
+            Some(prefix) => prefixes.push(prefix),
+            None => {
+                single.insert(name.as_str());
+            }
+        }
+    }
     let is_placed = |component: &str| {
-        names.iter().any(|name| match nested.get(name.as_str()) {
-            Some(prefix) => component.starts_with(prefix),
-            None => component == name,
-        })
+        single.contains(component) || prefixes.iter().any(|it| component.starts_with(*it))
     };
     let components = plan.components.iter().map(|it| it.name.clone());
     components
