@@ -400,7 +400,11 @@ impl Mission {
         let time = run.now().since(Time::ZERO);
         let failed = lock(&watch).dead(&*run).cloned().collect();
         let mut summary = story.summary();
-        let statuses = FinalStatuses::of(&successor.running().plan, &mut *run);
+        // a control state that a step has set is known, and its coordinator does not wait since the start
+        let is_wanted = |component: &str| {
+            outcome == MissionOutcome::TimeUp || !summary.control_states.contains_key(component)
+        };
+        let statuses = FinalStatuses::of(&successor.running().plan, &mut *run, is_wanted);
         for (component, state) in statuses.control_states() {
             summary.add_final_control_state(component, &state);
         }
@@ -662,9 +666,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 fn lost_messages(run: &dyn Run) -> Vec<(String, u64)> {
     let mut all = Vec::new();
     for component in run.components() {
+        let counts = run.lost(&component);
+        if counts.iter().all(|it| *it == 0) {
+            continue;
+        }
         let inputs = run.declaration(&component).unwrap_or_default().inputs;
-        let counts = inputs.into_iter().zip(run.lost(&component));
-        let lost = counts.filter(|(_, count)| *count > 0);
+        let lost = inputs.into_iter().zip(counts).filter(|it| it.1 > 0);
         all.extend(lost.map(|(port, count)| (format!("{component}.{}", port.name), count)));
     }
     all
@@ -674,9 +681,12 @@ fn lost_messages(run: &dyn Run) -> Vec<(String, u64)> {
 fn refused_requests(run: &dyn Run) -> Vec<(String, u64)> {
     let mut all = Vec::new();
     for component in run.components() {
+        let counts = run.refused_requests(&component);
+        if counts.iter().all(|it| *it == 0) {
+            continue;
+        }
         let services = run.declaration(&component).unwrap_or_default().services;
-        let counts = services.into_iter().zip(run.refused_requests(&component));
-        let refused = counts.filter(|(_, count)| *count > 0);
+        let refused = services.into_iter().zip(counts).filter(|it| it.1 > 0);
         all.extend(
             refused.map(|(service, count)| (format!("{component}.{}", service.name), count)),
         );

@@ -48,11 +48,13 @@ pub struct AlikeComponents<'p> {
 }
 
 impl<'p> AlikeComponents<'p> {
-    /// Groups components in the order of the first of each group. A component without a model is alone.
+    /// Groups components in the order of the first of each group. A component without a model is alone. `terms` are those of the options of
+    /// the verification, which can name functions of other components.
     pub fn among(
         build: &Build,
         plan: &Plan,
         components: &[&'p str],
+        terms: &[String],
         loader: &dyn Loader,
     ) -> Vec<Self> {
         let catalogue = build.catalogue();
@@ -67,7 +69,7 @@ impl<'p> AlikeComponents<'p> {
         for component in components {
             let canonical = match components {
                 [_] => None,
-                _ => canonical_model(&context, component).ok(),
+                _ => canonical_model(&context, component, terms).ok(),
             };
             let next = groups.len();
             let group = canonical.map_or(next, |it| *known.entry(it).or_insert(next));
@@ -82,10 +84,11 @@ impl<'p> AlikeComponents<'p> {
         groups
     }
 
-    /// The others in a few words; `None` if there are none.
-    pub fn others_in_words(&self) -> Option<String> {
+    /// The others in a few words, with a quotation mark around each name; `None` if there are none.
+    pub fn others_in_words(&self, quote: &str) -> Option<String> {
         let shown = self.others.get(..MOST_NAMED).unwrap_or(&self.others);
-        let names = shown.join(", ");
+        let names = shown.iter().map(|it| format!("{quote}{it}{quote}"));
+        let names = names.collect::<Vec<_>>().join(", ");
         match self.others.len() - shown.len() {
             0 if names.is_empty() => None,
             0 => Some(names),
@@ -94,7 +97,7 @@ impl<'p> AlikeComponents<'p> {
     }
 }
 
-/// Number of components that are named where others are only counted.
+/// Most names that are written out; further ones are only counted.
 const MOST_NAMED: usize = 3;
 
 /// Describes the reason for which there is no model of a component.
@@ -296,12 +299,12 @@ pub fn before_start(
     keys: &PlannedVerify,
     loader: &dyn Loader,
 ) -> StartVerification {
-    let name = match components.others_in_words() {
+    let name = |before_others: &str| match components.others_in_words("`") {
         None => format!("`{}`", components.component),
-        Some(others) => format!("`{}` (and of {others})", components.component),
+        Some(others) => format!("`{}` ({before_others} {others})", components.component),
     };
     let not_possible = |reason: String| StartVerification {
-        findings: vec![format!("{name} cannot be verified: {reason}")],
+        findings: vec![format!("{} cannot be verified: {reason}", name("and"))],
     };
     let options = ReadOptions::default();
     let found = model(build, plan, components.component, loader, options);
@@ -349,6 +352,7 @@ pub fn before_start(
     };
     in_terms_of_composite(&mut verification, &environment);
     with_origins(&mut verification, &environment);
+    let name = name("and of");
     let checked = verification
         .properties
         .iter()

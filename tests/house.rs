@@ -104,7 +104,7 @@ fn workspace() -> &'static Metadata {
     &WORKSPACE
 }
 
-/// The top-level folder of a crate: `asm-lang`, `engine`, `components`.
+/// The top-level folder of a crate: `asm-lang`, `engine`, `components`, `story`.
 fn wing(package: &str) -> String {
     let metadata = workspace();
     let found = metadata.packages.iter().find(|it| it.name == package);

@@ -17,20 +17,24 @@ impl Mission {
         part: &Part,
         loader: &dyn Loader,
     ) -> Result<(), MissionError> {
+        let mut groups = Vec::new();
         let mut rest: Vec<_> = demanding(plan).collect();
         rest.retain(|(component, _)| part.has(&component.name));
         while let Some((_, keys)) = rest.first().copied() {
             let (same, others): (Vec<_>, Vec<_>) = rest.into_iter().partition(|it| it.1 == keys);
             rest = others;
             let names: Vec<&str> = same.iter().map(|(component, _)| &*component.name).collect();
-            for alike in AlikeComponents::among(&self.build, plan, &names, loader) {
-                let result = before_start(&self.build, plan, &alike, keys, loader);
-                if keys.refuse_start_on_failure && !result.findings.is_empty() {
-                    return Err(MissionError::NotVerified(result.findings));
-                }
-                for finding in result.findings {
-                    (self.notice)(&finding);
-                }
+            let alike = AlikeComponents::among(&self.build, plan, &names, &[], loader);
+            groups.extend(alike.into_iter().map(|it| (it, keys)));
+        }
+        groups.sort_by_key(|(alike, _)| plan.components.position(alike.component));
+        for (alike, keys) in groups {
+            let result = before_start(&self.build, plan, &alike, keys, loader);
+            if keys.refuse_start_on_failure && !result.findings.is_empty() {
+                return Err(MissionError::NotVerified(result.findings));
+            }
+            for finding in result.findings {
+                (self.notice)(&finding);
             }
         }
         Ok(())

@@ -39,17 +39,19 @@ impl fmt::Display for StalledCoordinator {
     }
 }
 
-/// The coordinators of a plan with their status at the end of a run. Those in a long cycle are left out.
+/// Coordinators of a plan with their status at the end of a run. Those in a long cycle are left out.
 pub(super) struct FinalStatuses<'p> {
     plan: &'p Plan,
     statuses: Vec<(&'p Component, CoordinatorStatus)>,
 }
 
 impl<'p> FinalStatuses<'p> {
-    pub(super) fn of(plan: &'p Plan, run: &mut dyn Run) -> Self {
+    /// Asks the coordinators whose names are wanted.
+    pub(super) fn of(plan: &'p Plan, run: &mut dyn Run, is_wanted: impl Fn(&str) -> bool) -> Self {
         let coordinators = plan.components.iter();
-        let coordinators =
-            coordinators.filter(|it| matches!(it.implementation, Implementation::Asm { .. }));
+        let coordinators = coordinators.filter(|it| {
+            matches!(it.implementation, Implementation::Asm { .. }) && is_wanted(&it.name)
+        });
         let status = |component: &'p Component| {
             let entries = run.inspect(&component.name).ok()?;
             Some((component, CoordinatorStatus::of(&entries)?))

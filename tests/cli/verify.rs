@@ -469,7 +469,7 @@ fn instances_that_differ_in_names_only_are_verified_once() {
     });
     let (exit, out, err) = run(&["run", composite, "--speed", "0", "--for", "1"]);
     assert_eq!(exit, 1, "{out}{err}");
-    let said = "`ag(mode != STOPPED)` of `Rover1` (and of Rover2, Rover3) is violated";
+    let said = "`ag(mode != STOPPED)` of `Rover1` (and of `Rover2`, `Rover3`) is violated";
     assert_eq!(err.matches(said).count(), 1, "{err}");
     assert_eq!(err.matches("is violated").count(), 1, "{err}");
 }

@@ -11,6 +11,7 @@ use crate::codes::c175::WrongRosDefinition;
 use crate::codes::c190::NoCertificate;
 use crate::codes::c210::InvalidInstances;
 use std::borrow::Cow;
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -567,7 +568,7 @@ impl Visit<'_, '_> {
 
     /// Asks the programs of a composite, and the other robots whose components it names, for declarations.
     fn programs(&self, composite: &Composite, path: &str) -> BTreeMap<String, ProgramAnswer> {
-        let brokers = ComponentBrokers::of(composite);
+        let brokers = LazyCell::new(|| ComponentBrokers::of(composite));
         let components = composite.components.iter();
         let answers = components.filter_map(|component| {
             let implementation = component.implementation.as_ref()?;

@@ -58,7 +58,7 @@ pub(crate) fn message_of<'f>(
     values: impl Iterator<Item = (Option<&'f str>, Datum)>,
     key: &[(String, Datum)],
 ) -> Datum {
-    // most messages have one value, and wait in queues of many
+    // enough for one value, which is what most messages have: without it, there would be memory for four, in queues of many messages
     let mut fields = Vec::with_capacity(key.len() + 1);
     for (path, element) in key {
         insert(&mut fields, path, element.clone());

@@ -62,8 +62,8 @@ pub struct Plan {
     pub types: BTreeMap<String, Schema>,
     /// Operations by service interface, of those that only folders with definitions of ROS have.
     pub interfaces: BTreeMap<String, Vec<OperationDeclaration>>,
-    /// Positions of the processes of components, if there are several.
-    pub(crate) places: BTreeMap<String, usize>,
+    /// Positions in `processes` by component; empty without a deployment.
+    pub(crate) process_positions: BTreeMap<String, usize>,
     /// Whether any component names a broker.
     pub(crate) has_component_broker: bool,
 }
@@ -78,7 +78,7 @@ impl Plan {
     pub fn process_of(&self, component: &str) -> Option<&Process> {
         match self.processes.as_slice() {
             [only] => Some(only),
-            several => several.get(*self.places.get(component)?),
+            several => several.get(*self.process_positions.get(component)?),
         }
     }
 }

@@ -9,8 +9,10 @@ use std::collections::BTreeSet;
 /// `rover1_mode`. Replacing these parts is a renaming, so two texts with the same result are the same specification, up to
 /// names. The names that the verified specification declares are not replaced: they mean the same in all environments.
 pub(crate) struct CanonicalNames {
-    /// The labels of components as they begin with a lower-case and an upper-case letter, and their positions; long ones first.
-    labels: Vec<(String, usize)>,
+    /// The labels of components in the cases in which they occur, and what replaces them; long ones first.
+    labels: Vec<(String, String)>,
+    /// The components themselves, and what replaces them; long ones first.
+    components: Vec<(String, String)>,
     declared: BTreeSet<String>,
 }
 
@@ -20,16 +22,59 @@ impl CanonicalNames {
         components: impl Iterator<Item = &'c str>,
         declared: BTreeSet<String>,
     ) -> Self {
-        let mut labels: Vec<(String, usize)> = Vec::new();
+        let (mut labels, mut names) = (Vec::new(), Vec::new());
         for (position, component) in components.enumerate() {
+            names.push((component.to_owned(), format!("#{position}")));
             let name = label(component);
             let mut rest = name.chars();
             let Some(first) = rest.next() else { continue };
-            let both = [first.to_ascii_lowercase(), first.to_ascii_uppercase()];
-            labels.extend(both.map(|first| (format!("{first}{}", rest.as_str()), position)));
+            let rest = rest.as_str();
+            // a function, a domain or a rule, and a literal
+            labels.extend([
+                (
+                    format!("{}{rest}", first.to_ascii_lowercase()),
+                    format!("#-{position}"),
+                ),
+                (
+                    format!("{}{rest}", first.to_ascii_uppercase()),
+                    format!("#{position}"),
+                ),
+                (name.to_ascii_uppercase(), format!("#^{position}")),
+            ]);
         }
-        labels.sort_by_key(|(label, _)| std::cmp::Reverse(label.len()));
-        Self { labels, declared }
+        for all in [&mut labels, &mut names] {
+            all.sort_by_key(|(name, _)| std::cmp::Reverse(name.len()));
+        }
+        Self {
+            labels,
+            components: names,
+            declared,
+        }
+    }
+
+    /// A text for people with positions in place of components.
+    pub(crate) fn prose(&self, text: &str) -> String {
+        let mut done = String::with_capacity(text.len());
+        let mut rest = text;
+        while let Some(sign) = rest.chars().next() {
+            let is_begin = !done.ends_with(char::is_alphanumeric);
+            let found = self.components.iter().filter(|_| is_begin);
+            let found = found.clone().find_map(|(name, position)| {
+                let after = rest.strip_prefix(name.as_str())?;
+                (!after.starts_with(char::is_alphanumeric)).then_some((after, position))
+            });
+            match found {
+                Some((after, position)) => {
+                    done.push_str(position);
+                    rest = after;
+                }
+                None => {
+                    done.push(sign);
+                    rest = rest.get(sign.len_utf8()..).unwrap_or_default();
+                }
+            }
+        }
+        done
     }
 
     /// The tokens of a text with positions in place of components, without its comments.
@@ -61,9 +106,7 @@ impl CanonicalNames {
                 is_part.then_some((after, position))
             });
             if let Some((after, position)) = found {
-                let is_upper = rest.starts_with(char::is_uppercase);
-                to.push_str(if is_upper { "#" } else { "#-" });
-                to.push_str(&position.to_string());
+                to.push_str(position);
                 rest = after;
             }
             let Some(end) = rest.find('_') else { break };
@@ -100,6 +143,19 @@ mod tests {
         assert_eq!(
             text(&["Rover1"], &["rover1_mode"], own),
             "rover1_mode #-0_leg "
+        );
+    }
+
+    #[test]
+    fn names_of_components_are_replaced_in_the_cases_of_their_kinds() {
+        assert_eq!(
+            text(&["Arm"], &[], "CALL_ARM_GO Arm_Mode arm_mode"),
+            "CALL_#^0_GO #0_Mode #-0_mode "
+        );
+        let names = CanonicalNames::of(["Left/Arm", "Arm"].into_iter(), BTreeSet::new());
+        assert_eq!(
+            names.prose("Arm.event of Left/Arm, not Arm2, is faster than ARM"),
+            "#1.event of #0, not Arm2, is faster than ARM"
         );
     }
 

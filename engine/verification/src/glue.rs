@@ -83,7 +83,7 @@ impl Glue {
             .push(format!("// {comment}\nJUSTICE {term}\n"));
     }
 
-    /// The functions of the specifications that the environment observes and sets.
+    /// A line for each function of the specifications that the environment observes (`given`), sets (`controlled`) or fixes (`static`).
     pub fn functions(&self) -> String {
         let given = self.given.iter();
         let given = given.map(|(function, changes)| format!("given {function} {changes}"));

@@ -131,12 +131,17 @@ pub fn component_model(
 }
 
 /// Returns the specification of a component and its environment as text, with positions in place of components. If it is equal for two
-/// components, a verification has the same results for both, up to names of components.
+/// components, a verification has the same results and assumptions for both, up to names of components. `terms` are those of its options,
+/// which can contain names of the environment.
 ///
 /// # Errors
 /// A specification or protocol has errors, or the values of an input cannot be listed.
-pub fn canonical_model(context: &ModelContext<'_>, component: &str) -> Result<String, ModelError> {
-    Ok(model_parts(context, component)?.canonical())
+pub fn canonical_model(
+    context: &ModelContext<'_>,
+    component: &str,
+    terms: &[String],
+) -> Result<String, ModelError> {
+    Ok(model_parts(context, component)?.canonical(terms))
 }
 
 fn model_parts(context: &ModelContext<'_>, component: &str) -> Result<ModelParts, ModelError> {
@@ -281,14 +286,27 @@ fn model_parts(context: &ModelContext<'_>, component: &str) -> Result<ModelParts
 
 impl ModelParts {
     /// The parts as text, with positions in place of components.
-    fn canonical(&self) -> String {
+    fn canonical(&self, terms: &[String]) -> String {
         let own = self.verified.loaded.units.iter().filter(|it| !it.library);
         let own: Vec<_> = own.map(|it| &it.tree).collect();
         let declared = declared_names(&own).into_iter().collect();
         let components = self.actors.iter().map(|it| it.component.as_str());
         let names = CanonicalNames::of(components, declared);
-        let environment = names.text(&self.environment.text);
-        let functions = names.text(&self.glue.functions());
-        [&*self.environment.file, &environment, &functions].join("\n")
+        let environment = &self.environment;
+        let mut lines = vec![
+            environment.file.clone(),
+            names.text(&environment.text),
+            names.text(&self.glue.functions()),
+            // the same functions can get any value for different reasons
+            format!(
+                "{} open, {} independent, outside {:?}",
+                environment.open.len(),
+                environment.independent.len(),
+                environment.outside
+            ),
+        ];
+        lines.extend(environment.assumptions.iter().map(|it| names.prose(it)));
+        lines.extend(terms.iter().map(|it| names.text(it)));
+        lines.join("\n")
     }
 }

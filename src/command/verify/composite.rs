@@ -121,7 +121,7 @@ impl Verify {
         let mut seen = BTreeSet::new();
         let names = components.iter().map(String::as_str);
         let names: Vec<&str> = names.filter(|it| seen.insert(*it)).collect();
-        let groups = AlikeComponents::among(build, plan, &names, &self.files);
+        let groups = AlikeComponents::among(build, plan, &names, &self.terms(), &self.files);
         let exits = groups
             .iter()
             .map(|alike| self.components(build, plan, (path, alike), watched, terminal));
@@ -185,6 +185,20 @@ impl Verify {
             .unwrap_or_else(|exit| exit)
     }
 
+    /// The terms of the options, in which names of the environment can occur.
+    fn terms(&self) -> Vec<String> {
+        let lists = [
+            &self.property,
+            &self.possible,
+            &self.assume,
+            &self.values,
+            &self.fair,
+            &self.strongly_fair,
+        ];
+        let terms = lists.into_iter().flatten().chain(&self.end);
+        terms.cloned().collect()
+    }
+
     /// Verifies the first of components that are alike.
     fn components(
         &self,
@@ -194,7 +208,7 @@ impl Verify {
         watched: &mut WatchedResults,
         terminal: &mut TerminalOutput,
     ) -> Exit {
-        let (component, others) = (alike.component, alike.others_in_words());
+        let (component, others) = (alike.component, alike.others_in_words(""));
         let options = ReadOptions {
             initial: self.init.clone(),
             ..ReadOptions::default()
@@ -207,7 +221,11 @@ impl Verify {
             Ok(model) => model,
             Err(error) => {
                 let usage = matches!(error, ModelError::NoComponent(_));
-                terminal.error(format_args!("{path}, {component}: {}", describe(&error)));
+                let others = others.map_or_else(String::new, |it| format!(" (and {it})"));
+                terminal.error(format_args!(
+                    "{path}, {component}{others}: {}",
+                    describe(&error)
+                ));
                 return if usage { Exit::Usage } else { Exit::Findings };
             }
         };
@@ -222,7 +240,12 @@ impl Verify {
         let kept = watched.exploration(component);
         let (mut verification, time) = match self.verification(system, kept, terminal) {
             Ok(found) => found,
-            Err(exit) => return exit,
+            Err(exit) => {
+                if let Some(others) = others {
+                    terminal.error(format_args!("the same is true of {others}"));
+                }
+                return exit;
+            }
         };
         let run = self
             .has_exports()
@@ -253,6 +276,9 @@ impl Verify {
                 ));
             }
             watched.show_changes(component, &verification, terminal);
+            for other in &alike.others {
+                watched.keep(other, &verification);
+            }
         }
         let machines = &verification.machines;
         let run = run.flatten();

@@ -53,6 +53,14 @@ impl WatchedResults {
         }
         result.verdicts = Some(verdicts);
     }
+
+    /// Keeps the verdicts for a component that is alike: it may be verified by itself the next time.
+    pub(super) fn keep(&mut self, name: &str, verification: &Verification) {
+        if let Some(results) = &mut self.0 {
+            let result = results.entry(name.to_owned()).or_default();
+            result.verdicts = Some(verdicts(verification));
+        }
+    }
 }
 
 fn verdicts(verification: &Verification) -> Verdicts {

@@ -35,7 +35,7 @@ pub(crate) struct CheckedComposite<'s> {
     pub profile: Option<&'s str>,
     pub types: &'s Types<'s>,
     pub catalogue: &'s dyn Catalogue,
-    /// The processes of components by name; `None` without a deployment.
+    /// Names of processes by component; `None` without a deployment.
     pub processes: Option<BTreeMap<&'s str, &'s str>>,
     /// Active components in file order.
     pub parts: NamedList<CheckedComponent<'s>>,

@@ -9,8 +9,8 @@ use crate::at::At;
 /// no such key, so one connected to a topic uses the composite's only broker.
 #[derive(Debug)]
 pub struct ComponentBrokers {
-    /// The only broker, and the names of the components that are connected to topics; `None` if there are several brokers, or if no
-    /// component names one.
+    /// The only broker, and the names of the components that are connected to topics; `None` unless there is exactly one broker and a
+    /// component names it.
     only: Option<(At<String>, BTreeSet<String>)>,
 }
 

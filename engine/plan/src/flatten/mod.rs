@@ -78,7 +78,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         topics: Vec::new(),
         connections: ConnectionList::default(),
         wires: WireList::default(),
-        places: BTreeMap::new(),
+        process_positions: BTreeMap::new(),
         has_component_broker: false,
         promoted: Vec::new(),
         processes: Vec::new(),

@@ -31,8 +31,8 @@ pub(super) fn place(
         };
         process.components = placed(&process.components, nested, plan);
         for component in &process.components {
-            let place = plan.places.entry(component.clone());
-            place.or_insert(plan.processes.len());
+            let position = plan.process_positions.entry(component.clone());
+            position.or_insert(plan.processes.len());
         }
         plan.processes.push(process);
     }
