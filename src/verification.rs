@@ -43,7 +43,7 @@ pub fn model(
 pub struct AlikeComponents<'p> {
     /// The first of them, which is verified.
     pub component: &'p str,
-    /// The others.
+    /// Those for which its results hold as well.
     pub others: Vec<&'p str>,
 }
 

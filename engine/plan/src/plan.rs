@@ -64,7 +64,7 @@ pub struct Plan {
     pub interfaces: BTreeMap<String, Vec<OperationDeclaration>>,
     /// Positions in `processes` by component; empty without a deployment.
     pub(crate) process_positions: BTreeMap<String, usize>,
-    /// Whether any component names a broker.
+    /// At least one component names a broker, so that those without one are local.
     pub(crate) has_component_broker: bool,
 }
 

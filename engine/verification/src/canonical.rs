@@ -58,8 +58,8 @@ impl CanonicalNames {
         let mut rest = text;
         while let Some(sign) = rest.chars().next() {
             let is_begin = !done.ends_with(char::is_alphanumeric);
-            let found = self.components.iter().filter(|_| is_begin);
-            let found = found.clone().find_map(|(name, position)| {
+            let mut names = self.components.iter().filter(|_| is_begin);
+            let found = names.find_map(|(name, position)| {
                 let after = rest.strip_prefix(name.as_str())?;
                 (!after.starts_with(char::is_alphanumeric)).then_some((after, position))
             });
